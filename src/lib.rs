@@ -1,0 +1,12 @@
+//! Pleach grows self-similar trees from species scripts and flattens them, level by level, into
+//! shared textured quads: the fewest triangles that still look like the tree.
+//!
+//! Data flow one way: a script becomes a [`species`], a species and a seed become a tree, a tree
+//! becomes meshes, captures, a chain of LODs and shadows, and those become a pack of files.
+
+pub mod image;
+pub mod math;
+pub mod mesh;
+pub mod report;
+pub mod rng;
+pub mod species;

@@ -1,0 +1,49 @@
+//! Triangle meshes: branch tubes, leaf cards, and the flattening of a tree into one mesh.
+
+/// A vertex as every stage, the exporter and the renderer see it: 48 bytes, no padding.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Vertex {
+    /// Metres.
+    pub position: [f32; 3],
+    /// Unit.
+    pub normal: [f32; 3],
+    /// Unit, along rising u; the fourth is the handedness, 1 or -1, as in glTF.
+    pub tangent: [f32; 4],
+    /// Texture coordinates, v downward as in glTF.
+    pub uv: [f32; 2],
+}
+
+/// Triangles of one material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Primitive {
+    /// Vertices.
+    pub vertices: Vec<Vertex>,
+    /// Three a triangle, counter-clockwise seen from outside.
+    pub indices: Vec<u32>,
+}
+
+impl Primitive {
+    /// Number of triangles.
+    #[must_use]
+    pub fn triangles(&self) -> u64 {
+        self.indices.len() as u64 / 3
+    }
+}
+
+/// A tree, or a part of one, in its two materials (Koniaris et al., section IV.G).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Opaque geometry.
+    pub bark: Primitive,
+    /// Alpha-tested cards, textured by the foliage atlas.
+    pub foliage: Primitive,
+}
+
+impl Mesh {
+    /// Number of triangles of both primitives.
+    #[must_use]
+    pub fn triangles(&self) -> u64 {
+        self.bark.triangles() + self.foliage.triangles()
+    }
+}

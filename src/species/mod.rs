@@ -1,0 +1,3 @@
+//! Species scripts.
+
+pub mod schema;
