@@ -10,3 +10,5 @@ pub mod mesh;
 pub mod report;
 pub mod rng;
 pub mod species;
+pub mod spline;
+pub mod tree;

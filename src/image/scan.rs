@@ -27,7 +27,7 @@ pub struct Clip {
 pub fn triangle(corners: [Vec2; 3], clip: Clip, mut visit: impl FnMut(u32, u32, [f32; 3])) {
     let [a, b, c] = corners;
     let area = (b - a).perp_dot(c - a);
-    if !(area.abs() > 1e-12) {
+    if area.is_nan() || area.abs() <= 1e-12 {
         return;
     }
     let low = a.min(b).min(c);

@@ -1,5 +1,17 @@
 //! Triangle meshes: branch tubes, leaf cards, and the flattening of a tree into one mesh.
 
+pub mod card;
+pub mod check;
+mod flatten;
+mod template;
+mod tube;
+
+pub use flatten::{Flattener, Form, Sizes, TooLarge};
+pub use template::{Material, Template, TemplateVertex};
+pub use tube::tube;
+
+use crate::math::{Bounds, Vec3};
+
 /// A vertex as every stage, the exporter and the renderer see it: 48 bytes, no padding.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -45,5 +57,12 @@ impl Mesh {
     #[must_use]
     pub fn triangles(&self) -> u64 {
         self.bark.triangles() + self.foliage.triangles()
+    }
+
+    /// Bounds of both primitives.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        let vertices = self.bark.vertices.iter().chain(&self.foliage.vertices);
+        Bounds::of_points(vertices.map(|v| Vec3::from(v.position)))
     }
 }

@@ -1,0 +1,116 @@
+//! Leaf cards and the quads of cross-quads.
+
+use super::template::{Material, Template, TemplateVertex};
+use crate::math::Vec3;
+
+/// Part of a texture: `u0, v0` its upper left corner, `u1, v1` its lower right, in 0..=1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UvRect {
+    /// Left.
+    pub u0: f32,
+    /// Top.
+    pub v0: f32,
+    /// Right.
+    pub u1: f32,
+    /// Bottom.
+    pub v1: f32,
+}
+
+impl UvRect {
+    /// The whole texture.
+    pub const ALL: Self = Self {
+        u0: 0.0,
+        v0: 0.0,
+        u1: 1.0,
+        v1: 1.0,
+    };
+}
+
+/// How far the normals at a leaf card's two long edges lean outward, radians: rounds the shading of a
+/// flat card a little, as a real blade's cross-section does.
+const EDGE_LEAN: f32 = 0.35;
+
+/// A leaf card: stalk at the origin, along +Y, upper side toward +Z; folded up along its midrib by
+/// `fold` radians (4 triangles) or flat (2 triangles).
+#[must_use]
+pub fn leaf(length: f32, width: f32, fold: f32, uv: UvRect) -> Template {
+    let columns: &[f32] = if fold == 0.0 {
+        &[-1.0, 1.0]
+    } else {
+        &[-1.0, 0.0, 1.0]
+    };
+    let (fold_sine, fold_cosine) = libm::sincosf(fold);
+    let mut template = Template {
+        material: Material::Foliage,
+        ..Template::default()
+    };
+    for &column in columns {
+        let side = column * width * 0.5;
+        let lean = column * (EDGE_LEAN - fold);
+        let (sine, cosine) = libm::sincosf(lean);
+        let out = Vec3::new(side * fold_cosine, 0.0, side.abs() * fold_sine);
+        for (y, v) in [(0.0, uv.v1), (length, uv.v0)] {
+            template.vertices.push(TemplateVertex {
+                axis: out + Vec3::Y * y,
+                offset: Vec3::ZERO,
+                normal: Vec3::new(sine, 0.0, cosine),
+                tangent: Vec3::new(cosine, 0.0, -sine),
+                uv: [uv.u0 + (uv.u1 - uv.u0) * (column * 0.5 + 0.5), v],
+            });
+        }
+    }
+    for column in 0..u32::try_from(columns.len()).unwrap_or(2) - 1 {
+        let a = column * 2;
+        template.indices.extend([a, a + 2, a + 3, a, a + 3, a + 1]);
+    }
+    template
+}
+
+/// One upright quad of a cross-quad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quad {
+    /// Middle of the quad, metres in the prototype's frame.
+    pub centre: Vec3,
+    /// Unit vector along rising u.
+    pub right: Vec3,
+    /// Half of the width and half of the height, metres.
+    pub half: [f32; 2],
+    /// The part of the half width that a node's thickness multiplies, metres.
+    pub thick: f32,
+    /// Its part of the atlas.
+    pub uv: UvRect,
+}
+
+/// The quads of one node: upright (+Y up the image), each 2 triangles, seen from both sides.
+#[must_use]
+pub fn quads(quads: &[Quad]) -> Template {
+    let mut template = Template {
+        material: Material::Foliage,
+        ..Template::default()
+    };
+    for quad in quads {
+        let base = u32::try_from(template.vertices.len()).unwrap_or(u32::MAX);
+        let normal = quad.right.cross(Vec3::Y);
+        for (x, y, uv) in [
+            (-1.0, -1.0, [quad.uv.u0, quad.uv.v1]),
+            (1.0, -1.0, [quad.uv.u1, quad.uv.v1]),
+            (-1.0, 1.0, [quad.uv.u0, quad.uv.v0]),
+            (1.0, 1.0, [quad.uv.u1, quad.uv.v0]),
+        ] {
+            let across = quad.right * x;
+            template.vertices.push(TemplateVertex {
+                axis: quad.centre
+                    + across * (quad.half[0] - quad.thick)
+                    + Vec3::Y * (y * quad.half[1]),
+                offset: across * quad.thick,
+                normal,
+                tangent: quad.right,
+                uv,
+            });
+        }
+        template
+            .indices
+            .extend([0, 1, 3, 0, 3, 2].map(|i| base + i));
+    }
+    template
+}

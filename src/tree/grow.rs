@@ -1,0 +1,392 @@
+//! Growth: a species and a seed become prototypes and links.
+//!
+//! Cost: time and memory go with the links of the prototypes, not with the nodes of the tree.
+
+use super::branch::Recipe;
+use super::links::{self, ChildLevel};
+use super::{Branch, Kind, Limits, Link, Part, Prototype, Tree, TreeLevel};
+use crate::math::Vec3;
+use crate::rng::{Key, Parameter, unit_from_bits};
+use crate::species::schema::{BranchParams, Level, LevelKind, Size, Species};
+use rand::Rng;
+
+/// Name of the level that carries the stems of a multi-stemmed tree.
+pub(super) const STOOL: &str = "stool";
+
+/// Why a species cannot be grown.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GrowError {
+    /// Too many nodes.
+    #[error(
+        "level `{level}` would bring the tree to {would_be} nodes; the limit is {limit}. \
+         Lower `links` or `children` there or above"
+    )]
+    TooManyNodes {
+        /// Level that passes the limit.
+        level: String,
+        /// Nodes of all levels down to this one.
+        would_be: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// Too many links on one prototype.
+    #[error("level `{level}` would put {would_be} children on each parent; the limit is {limit}")]
+    TooManyLinks {
+        /// Level.
+        level: String,
+        /// Links times children.
+        would_be: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// Too many triangles at full detail.
+    #[error(
+        "level `{level}` would bring the tree to {would_be} triangles at full detail; the limit is \
+         {limit}. Lower `links`, `children` or `sides` there or above"
+    )]
+    TooManyTriangles {
+        /// Level that passes the limit.
+        level: String,
+        /// Triangles of all levels down to this one.
+        would_be: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// A spline without extent.
+    #[error("level `{level}`: all control points of its spline coincide")]
+    NoLength {
+        /// Level.
+        level: String,
+    },
+    /// The species has no level, or names one that is not there. A script that was read cannot.
+    #[error("level `{level}` is not part of the species, or has no parent, spline or leaf kind")]
+    Incomplete {
+        /// Level.
+        level: String,
+    },
+}
+
+/// Grows the tree of one species and seed.
+///
+/// # Errors
+/// If the tree would pass one of `limits`, or the species is not whole ([`GrowError`]).
+pub fn grow(species: &Species, seed: u64, limits: &Limits) -> Result<Tree, GrowError> {
+    check_counts(species, limits)?;
+    let mut levels: Vec<TreeLevel> = Vec::with_capacity(species.levels.len() + 1);
+    let mut thinnest: Vec<Vec<f32>> = Vec::new();
+    let shift = usize::from(species.stems.is_some());
+    let key = Key::of_seed(seed);
+    if shift == 1 {
+        levels.push(stool());
+        thinnest.push(vec![1.0]);
+    }
+    for (index, script) in species.levels.iter().enumerate() {
+        let parent = script
+            .parent
+            .map(|p| p + shift)
+            .or((shift == 1).then_some(0));
+        if parent.is_some_and(|p| p >= levels.len()) || (parent.is_none() && index > 0) {
+            return Err(GrowError::Incomplete {
+                level: script.name.clone(),
+            });
+        }
+        let nominal = Nominal::of(script, parent.map(|p| &levels[p]))?;
+        let weights = weights(script)?;
+        if let Some(parent) = parent {
+            let child = ChildLevel {
+                index: u16::try_from(index + shift).unwrap_or(u16::MAX),
+                script,
+                length: nominal.length,
+                radius: nominal.radius,
+                weights: &weights,
+            };
+            attach(species, &mut levels[parent], &child, key);
+        }
+        let prototypes = prototypes(
+            species,
+            script,
+            &nominal,
+            key,
+            parent.map(|p| (&levels[p], &thinnest[p][..])),
+            index + shift,
+        )?;
+        thinnest.push(thinnest_nodes(
+            parent.map(|p| &levels[p]),
+            index + shift,
+            prototypes.len(),
+        ));
+        levels.push(TreeLevel {
+            name: script.name.clone(),
+            parent,
+            depth: parent.map_or(0, |p| levels[p].depth + 1),
+            kind: if matches!(script.kind, LevelKind::Leaf(_)) {
+                Kind::Leaf
+            } else {
+                Kind::Branch
+            },
+            tropism: script.placement.tropism,
+            prototypes,
+        });
+    }
+    let tree = Tree { levels, seed };
+    check_triangles(&tree, limits)?;
+    Ok(tree)
+}
+
+fn stool() -> TreeLevel {
+    TreeLevel {
+        name: STOOL.to_owned(),
+        parent: None,
+        depth: 0,
+        kind: Kind::Stool,
+        tropism: 0.0,
+        prototypes: vec![Prototype {
+            part: Part::Stool,
+            links: Vec::new(),
+        }],
+    }
+}
+
+/// Adds the links of one child level to all prototypes of its parent level.
+fn attach(species: &Species, parent: &mut TreeLevel, child: &ChildLevel<'_>, key: Key) {
+    for (variant, prototype) in parent.prototypes.iter_mut().enumerate() {
+        let links: Vec<Link> = match &prototype.part {
+            Part::Branch(branch) => links::on_branch(branch, child, key, variant as u64),
+            Part::Stool => links::on_stool(species, child, key),
+            Part::Leaf { .. } => Vec::new(),
+        };
+        prototype.links.extend(links);
+    }
+}
+
+/// Weight of each prototype of a level.
+fn weights(script: &Level) -> Result<Vec<f32>, GrowError> {
+    let weights: Vec<f32> = match &script.kind {
+        LevelKind::Branch(branch) => vec![1.0; branch.variants.max(1) as usize],
+        LevelKind::Leaf(leaf) => leaf.kinds.iter().map(|&(_, weight)| weight).collect(),
+    };
+    if weights.is_empty() {
+        return Err(GrowError::Incomplete {
+            level: script.name.clone(),
+        });
+    }
+    Ok(weights)
+}
+
+/// Length and radius of a level's prototypes before chance, metres at scale 1.
+struct Nominal {
+    length: f32,
+    radius: f32,
+    /// Radius of the parent's prototype at its base; 0 for the trunk.
+    parent_radius: f32,
+}
+
+impl Nominal {
+    fn of(script: &Level, parent: Option<&TreeLevel>) -> Result<Self, GrowError> {
+        let LevelKind::Branch(params) = &script.kind else {
+            return Ok(Self {
+                length: 0.0,
+                radius: 0.0,
+                parent_radius: 0.0,
+            });
+        };
+        let parent_branch = parent.and_then(|p| match &p.prototypes[0].part {
+            Part::Branch(branch) => Some(branch),
+            Part::Stool | Part::Leaf { .. } => None,
+        });
+        let size = |size: Size, of: fn(&Branch) -> f32| match (size, parent_branch) {
+            (Size::Metres(metres), _) => Ok(metres),
+            (Size::OfParent(ratio), Some(branch)) => Ok(ratio * of(branch)),
+            (Size::OfParent(_), None) => Err(GrowError::Incomplete {
+                level: script.name.clone(),
+            }),
+        };
+        Ok(Self {
+            length: size(params.length, |b| b.length)?,
+            radius: size(params.radius, |b| b.radius)?,
+            parent_radius: parent_branch.map_or(0.0, |b| b.radius),
+        })
+    }
+}
+
+fn prototypes(
+    species: &Species,
+    script: &Level,
+    nominal: &Nominal,
+    key: Key,
+    parent: Option<(&TreeLevel, &[f32])>,
+    index: usize,
+) -> Result<Vec<Prototype>, GrowError> {
+    match &script.kind {
+        LevelKind::Leaf(leaf) => leaf
+            .kinds
+            .iter()
+            .map(|&(kind, _)| {
+                let art = species
+                    .leaves
+                    .get(kind)
+                    .ok_or_else(|| GrowError::Incomplete {
+                        level: script.name.clone(),
+                    })?;
+                let part = Part::Leaf {
+                    kind: u16::try_from(kind).unwrap_or(u16::MAX),
+                    length: art.length_m,
+                    width: art.width_m,
+                    fold: art.fold_deg.to_radians(),
+                };
+                Ok(Prototype {
+                    part,
+                    links: Vec::new(),
+                })
+            })
+            .collect(),
+        LevelKind::Branch(params) => {
+            let variants = params.variants.max(1) as usize;
+            let level = u16::try_from(index).unwrap_or(u16::MAX);
+            let hidden = parent.map_or_else(
+                || vec![f32::INFINITY; variants],
+                |(p, thinnest)| links::hidden_radii(&p.prototypes, thinnest, level, variants),
+            );
+            (0..variants)
+                .map(|variant| {
+                    let key = key.level(&script.name).with(variant as u64);
+                    let branch = branch(species, script, params, nominal, key, hidden[variant])?;
+                    Ok(Prototype {
+                        part: Part::Branch(branch),
+                        links: Vec::new(),
+                    })
+                })
+                .collect()
+        }
+    }
+}
+
+fn branch(
+    species: &Species,
+    script: &Level,
+    params: &BranchParams,
+    nominal: &Nominal,
+    key: Key,
+    hidden: f32,
+) -> Result<Branch, GrowError> {
+    let incomplete = || GrowError::Incomplete {
+        level: script.name.clone(),
+    };
+    let weights: Vec<f32> = params.splines.iter().map(|&(_, weight)| weight).collect();
+    let choice = key
+        .pick(Parameter::Spline, &weights)
+        .ok_or_else(incomplete)?;
+    let spline_index = params.splines[choice].0;
+    let spline = species.splines.get(spline_index).ok_or_else(incomplete)?;
+    let control = gnarled(&spline.points, params.gnarl, key);
+    // A chance of more than the whole length would turn the branch inside out.
+    let length =
+        nominal.length * (1.0 + params.length_vary * key.signed(Parameter::Length)).max(0.05);
+    Branch::build(&Recipe {
+        spline: u16::try_from(spline_index).unwrap_or(u16::MAX),
+        control: &control,
+        knots: spline.knots,
+        length,
+        radius: nominal.radius,
+        taper: &params.taper,
+        collar: (params.collar, nominal.parent_radius),
+        hidden,
+        flare: params.flare,
+        flutes: params.flutes,
+        phase: key.unit(Parameter::Phase) * crate::math::TAU,
+        sides: params.sides,
+        tolerances: &species.lod.tolerances,
+    })
+    .ok_or_else(|| GrowError::NoLength {
+        level: script.name.clone(),
+    })
+}
+
+/// Control points, all but the first moved sideways by chance, as parts of the spline's extent.
+fn gnarled(points: &[[f32; 3]], gnarl: f32, key: Key) -> Vec<Vec3> {
+    let points: Vec<Vec3> = points.iter().map(|&p| Vec3::from(p)).collect();
+    let length: f32 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
+    points
+        .iter()
+        .enumerate()
+        .map(|(i, &point)| {
+            let mut stream = key.with(i as u64).stream(Parameter::Gnarl);
+            let mut draw = || (unit_from_bits(stream.next_u32()) * 2.0 - 1.0) * gnarl * length;
+            let shift = Vec3::new(draw(), draw() * 0.3, draw());
+            if i == 0 { point } else { point + shift }
+        })
+        .collect()
+}
+
+/// Least thickness with which each prototype of a level is placed.
+fn thinnest_nodes(parent: Option<&TreeLevel>, level: usize, prototypes: usize) -> Vec<f32> {
+    let mut thinnest = vec![f32::INFINITY; prototypes];
+    for link in parent
+        .into_iter()
+        .flat_map(|p| &p.prototypes)
+        .flat_map(|p| &p.links)
+    {
+        if link.level as usize == level {
+            let slot = &mut thinnest[link.prototype as usize];
+            *slot = slot.min(link.thickness);
+        }
+    }
+    thinnest
+        .iter()
+        .map(|&t| if t.is_finite() { t } else { 1.0 })
+        .collect()
+}
+
+/// Node counts before anything is built: the product of links and children down the levels.
+fn check_counts(species: &Species, limits: &Limits) -> Result<(), GrowError> {
+    let stems = species.stems.as_ref().map_or(1, |s| u64::from(s.count));
+    let mut nodes: Vec<u64> = Vec::with_capacity(species.levels.len());
+    let mut total = u64::from(species.stems.is_some());
+    for script in &species.levels {
+        let per_parent = match script.parent {
+            None => stems,
+            Some(_) => u64::from(script.placement.links) * u64::from(script.placement.children),
+        };
+        if per_parent > limits.links {
+            let level = script.name.clone();
+            return Err(GrowError::TooManyLinks {
+                level,
+                would_be: per_parent,
+                limit: limits.links,
+            });
+        }
+        let parents = script
+            .parent
+            .map_or(1, |p| nodes.get(p).copied().unwrap_or(0));
+        let here = parents.saturating_mul(per_parent);
+        total = total.saturating_add(here);
+        if total > limits.nodes {
+            let level = script.name.clone();
+            return Err(GrowError::TooManyNodes {
+                level,
+                would_be: total,
+                limit: limits.nodes,
+            });
+        }
+        nodes.push(here);
+    }
+    Ok(())
+}
+
+fn check_triangles(tree: &Tree, limits: &Limits) -> Result<(), GrowError> {
+    let mut total = 0_u64;
+    for (level, nodes) in tree.levels.iter().zip(tree.nodes()) {
+        for (prototype, count) in level.prototypes.iter().zip(nodes) {
+            total = total.saturating_add(prototype.part.full_triangles().saturating_mul(count));
+        }
+        if total > limits.triangles {
+            let level = level.name.clone();
+            return Err(GrowError::TooManyTriangles {
+                level,
+                would_be: total,
+                limit: limits.triangles,
+            });
+        }
+    }
+    Ok(())
+}
