@@ -5,6 +5,7 @@
 //! becomes meshes, captures, a chain of LODs and shadows, and those become a pack of files.
 
 pub mod image;
+pub mod lod;
 pub mod math;
 pub mod mesh;
 pub mod report;
