@@ -4,7 +4,9 @@
 //! Data flow one way: a script becomes a [`species`], a species and a seed become a tree, a tree
 //! becomes meshes, captures, a chain of LODs and shadows, and those become a pack of files.
 
+pub mod capture;
 pub mod image;
+pub mod impostor;
 pub mod lod;
 pub mod math;
 pub mod mesh;

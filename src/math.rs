@@ -208,6 +208,13 @@ pub fn round_to_u32(x: f32) -> u32 {
     floor_to_u32(x + 0.5)
 }
 
+/// A count as a float; exact up to 2^24, which no count of texels, cells or corners here passes.
+#[must_use]
+#[expect(clippy::cast_precision_loss, reason = "documented")]
+pub fn float(count: u32) -> f32 {
+    count as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

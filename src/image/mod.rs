@@ -1,5 +1,9 @@
 //! Pixels: planes of texels, scan conversion, dilation, mips, atlas packing, PNG.
 
+pub mod atlas;
+pub mod dilate;
+pub mod mips;
+pub mod png;
 pub mod scan;
 
 use crate::math::{byte_from_unit, srgb_from_linear};

@@ -1,0 +1,649 @@
+//! The bake: leaves into the atlas, then every capture of the plan.
+//!
+//! A capture is drawn either from the meshes below it (direct) or from the finished captures of a level
+//! further out (hierarchical). Direct is the better picture; its cost goes with the number of leaves.
+//! So a sub-tree is drawn directly up to a number of cards, and from captures beyond it, which keeps the
+//! cost of a whole-tree capture bounded whatever the number of leaves.
+//!
+//! Changes versus the paper: a prototype is captured in its own frame, which is what relocating a node
+//! by its inverse matrix gives; where a level below turns toward gravity, the frame is first turned as
+//! the mean node of the level stands, so that the capture shows a typical one.
+
+use super::occlusion::Occlusion;
+use super::plan::{Plan, Subject, VIEWS};
+use super::raster::{ALPHA_CUTOFF, Textures, View, Visibility};
+use crate::image::atlas::{self, Rect, Wanted};
+use crate::image::{Image, Texel, mips};
+use crate::impostor::cross_quad::{CrossQuads, RIGHT, scaled};
+use crate::lod::{Form as LodForm, State};
+use crate::math::{Bounds, Quat, Similarity, Vec3, float};
+use crate::mesh::card::{Quad, UvRect};
+use crate::mesh::{Flattener, Mesh, TooLarge, Vertex};
+use crate::report::{Cancelled, Progress, Warning};
+use crate::tree::{Kind, Part, Tree};
+use rayon::prelude::*;
+
+/// How captures are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Edge of the atlas, texels. The largest capture gets about half of it.
+    pub atlas_size: u32,
+    /// Samples along each edge of a texel, 1..=4: smoother alpha for more time.
+    pub supersample: u32,
+    /// What captures are drawn from.
+    pub source: Source,
+}
+
+/// What a capture of a sub-tree is drawn from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Always the meshes of everything below.
+    Direct,
+    /// Always the captures of the next level, where there are some.
+    Hierarchical,
+    /// Meshes, as long as the sub-tree has at most so many leaf cards.
+    DirectUpTo(u64),
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        // 150,000 cards take about as long to draw as all the rest of a pack.
+        Self {
+            atlas_size: 1024,
+            supersample: 2,
+            source: Source::DirectUpTo(150_000),
+        }
+    }
+}
+
+/// Mips that captures sample from: with gutters of four texels, the fourth would bleed.
+const MIPS: usize = 4;
+
+/// Geometry LOD of branches in captures: finer rings than a texel can show are wasted.
+const CAPTURE_SPLINE_LOD: u8 = 1;
+
+/// Wanted length of the longer edge, as a part of half the atlas, of combined captures by depth.
+const COMBINED_SHARE: [f32; 5] = [1.0, 0.8, 0.65, 0.5, 0.4];
+
+/// The same for single branches and for leaves.
+const BRANCH_SHARE: f32 = 0.5;
+const LEAF_SHARE: f32 = 0.45;
+
+/// A branch that strays from its plane by more than this many of its radii would be seen twice.
+const DOUBLED_ABOVE: f32 = 1.5;
+
+/// Draws the card of one leaf kind at a size in texels.
+pub trait LeafArtwork: Sync {
+    /// Width over height of a leaf kind's card.
+    fn aspect(&self, kind: usize) -> f32;
+    /// The card, stalk at the middle of the lower edge.
+    fn draw(&self, kind: usize, width: u32, height: u32) -> Image<Texel>;
+    /// How many leaf kinds there are.
+    fn kinds(&self) -> usize;
+}
+
+/// Why captures could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BakeError {
+    /// Too many parts for the atlas.
+    #[error(
+        "{parts} captures and leaves do not fit an atlas of {size} x {size} texels; raise \
+         --texture-size or lower `variants`"
+    )]
+    AtlasTooSmall {
+        /// Rectangles wanted.
+        parts: usize,
+        /// Edge of the atlas.
+        size: u32,
+    },
+    /// A sub-tree is too large to be drawn.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// Cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The foliage atlas with all that was captured into it.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// The atlas; not yet dilated.
+    pub atlas: Image<Texel>,
+    /// Quads over the captures.
+    pub quads: CrossQuads,
+    /// Rectangles of the atlas: for each subject its two views, then one a leaf kind.
+    pub rects: Vec<Rect>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Captures everything in `plan`.
+///
+/// `bark` are the mips of the bark texture, `bark_height` the real height of one repeat in metres.
+///
+/// # Errors
+/// If the parts do not fit the atlas, a sub-tree is too large, or the work is cancelled.
+pub fn bake(
+    tree: &Tree,
+    plan: &Plan,
+    leaves: &dyn LeafArtwork,
+    bark: (&[Image<Texel>], f32),
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Baked, BakeError> {
+    let rects = layout(tree, plan, leaves, settings.atlas_size)?;
+    let mut warnings = crowding(&rects, plan, settings.atlas_size);
+    let mut atlas = Image::filled(settings.atlas_size, settings.atlas_size, Texel::EMPTY);
+    let leaf_rects = &rects[plan.captures()..];
+    for (kind, rect) in leaf_rects.iter().enumerate() {
+        let (width, height) = inner_size(rect);
+        copy_into(&mut atlas, rect, &leaves.draw(kind, width, height));
+    }
+    let uv = |rect: &Rect| uv_of(rect, settings.atlas_size);
+    let mut quads = CrossQuads::none(tree, leaf_rects.iter().map(uv).collect());
+    progress.begin("captures", plan.subjects.len() as u64);
+    let turns = standing(tree);
+    let sources = sources(tree, plan, settings.source);
+    for &level in sources.iter().flatten() {
+        let level = tree.levels[level].name.clone();
+        if !warnings
+            .iter()
+            .any(|w| matches!(w, Warning::CapturesFromCaptures { level: l } if *l == level))
+        {
+            warnings.push(Warning::CapturesFromCaptures { level });
+        }
+    }
+    // Outermost first: a pass may sample what the passes before it wrote.
+    let mut passes: Vec<Vec<usize>> = vec![Vec::new()];
+    let mut by_depth: Vec<usize> = (0..plan.subjects.len()).collect();
+    by_depth.sort_by_key(|&s| core::cmp::Reverse(depth(tree, plan.subjects[s])));
+    for subject in by_depth {
+        match sources[subject] {
+            None => passes[0].push(subject),
+            Some(_) => passes.push(vec![subject]),
+        }
+    }
+    for pass in passes.iter().filter(|p| !p.is_empty()) {
+        let mut pyramid = mips::chain(atlas, MIPS, ALPHA_CUTOFF);
+        let drawn: Result<Vec<[Shot; VIEWS]>, BakeError> = pass
+            .par_iter()
+            .map(|&index| {
+                if progress.cancelled() {
+                    return Err(Cancelled.into());
+                }
+                let studio = Studio {
+                    tree,
+                    quads: &quads,
+                    textures: Textures {
+                        bark: bark.0,
+                        foliage: &pyramid,
+                    },
+                    bark_height: bark.1,
+                    supersample: settings.supersample,
+                };
+                let pair = [&rects[index * VIEWS], &rects[index * VIEWS + 1]];
+                let turn = &turns[subject_at(plan.subjects[index]).0];
+                let shots = studio.shoot(plan.subjects[index], sources[index], *turn, pair);
+                progress.step();
+                shots
+            })
+            .collect();
+        let drawn = drawn?;
+        atlas = pyramid.swap_remove(0);
+        for (&index, shots) in pass.iter().zip(drawn) {
+            let pair = core::array::from_fn(|view| {
+                let rect = &rects[index * VIEWS + view];
+                copy_into(&mut atlas, rect, &shots[view].image);
+                Quad {
+                    uv: uv_of(rect, settings.atlas_size),
+                    ..shots[view].quad
+                }
+            });
+            if let Subject::Combined { level, prototype } = plan.subjects[index] {
+                quads.combined[level][prototype] = Some(pair);
+            } else {
+                assign_branches(&mut quads, plan, index, &pair);
+            }
+        }
+    }
+    Ok(Baked {
+        atlas,
+        quads,
+        rects,
+        warnings,
+    })
+}
+
+/// Gives a branch type's quads to all prototypes of that type.
+fn assign_branches(quads: &mut CrossQuads, plan: &Plan, subject: usize, pair: &[Quad; 2]) {
+    for (level, prototypes) in plan.branch_types.iter().enumerate() {
+        for (prototype, of_type) in prototypes.iter().enumerate() {
+            if let Some((_, factor)) = of_type.filter(|(s, _)| *s == subject) {
+                quads.branches[level][prototype] = Some(scaled(pair, factor));
+            }
+        }
+    }
+}
+
+fn subject_at(subject: Subject) -> (usize, usize) {
+    match subject {
+        Subject::Combined { level, prototype } | Subject::Branch { level, prototype } => {
+            (level, prototype)
+        }
+    }
+}
+
+fn depth(tree: &Tree, subject: Subject) -> usize {
+    tree.levels[subject_at(subject).0].depth
+}
+
+/// For each subject, the level whose captures it is drawn from; `None` to draw it directly.
+fn sources(tree: &Tree, plan: &Plan, source: Source) -> Vec<Option<usize>> {
+    let limit = match source {
+        Source::Direct => u64::MAX,
+        Source::Hierarchical => 0,
+        Source::DirectUpTo(limit) => limit,
+    };
+    let choose = |&subject: &Subject| {
+        let Subject::Combined { level, prototype } = subject else {
+            return None;
+        };
+        let below = tree.nodes_below(level, prototype).nodes;
+        let cards = |l: usize| tree.levels[l].kind == Kind::Leaf && tree.is_below(l, level);
+        let leaves: u64 = (0..tree.levels.len())
+            .filter(|&l| cards(l))
+            .map(|l| below[l])
+            .sum();
+        if leaves <= limit {
+            return None;
+        }
+        // The outermost level below that has captures and few enough nodes; else the next one.
+        let has_captures = |l: usize| {
+            l != level
+                && tree.is_below(l, level)
+                && tree.levels[l].kind != Kind::Leaf
+                && tree.has_children(l)
+        };
+        let candidates = (0..tree.levels.len()).filter(|&l| has_captures(l));
+        candidates
+            .clone()
+            .filter(|&l| below[l] <= limit)
+            .max_by_key(|&l| tree.levels[l].depth)
+            .or_else(|| candidates.min_by_key(|&l| tree.levels[l].depth))
+    };
+    plan.subjects.iter().map(choose).collect()
+}
+
+/// Rectangles for all views of all subjects, then for all leaf kinds.
+fn layout(
+    tree: &Tree,
+    plan: &Plan,
+    leaves: &dyn LeafArtwork,
+    size: u32,
+) -> Result<Vec<Rect>, BakeError> {
+    let extents = tree.extents();
+    let half = float(size) * 0.5;
+    let mut wanted = Vec::new();
+    for &subject in &plan.subjects {
+        let (level, prototype) = subject_at(subject);
+        let (bounds, share) = match subject {
+            Subject::Combined { .. } => {
+                let depth = tree.levels[level].depth.min(COMBINED_SHARE.len() - 1);
+                (
+                    extents[level][prototype].bounds(&Similarity::IDENTITY),
+                    COMBINED_SHARE[depth],
+                )
+            }
+            Subject::Branch { .. } => (
+                part_bounds(&tree.prototype(level, prototype).part),
+                BRANCH_SHARE,
+            ),
+        };
+        let size = bounds.size().max(Vec3::splat(1e-6));
+        for width in [size.x, size.z] {
+            let density = half * share / width.max(size.y);
+            wanted.push(Wanted {
+                width: width * density,
+                height: size.y * density,
+            });
+        }
+    }
+    for kind in 0..leaves.kinds() {
+        let aspect = leaves.aspect(kind);
+        let longer = half * LEAF_SHARE;
+        wanted.push(Wanted {
+            width: longer * aspect.min(1.0),
+            height: longer / aspect.max(1.0),
+        });
+    }
+    atlas::layout(size, &wanted).ok_or(BakeError::AtlasTooSmall {
+        parts: wanted.len(),
+        size,
+    })
+}
+
+fn part_bounds(part: &Part) -> Bounds {
+    let Part::Branch(branch) = part else {
+        return Bounds::EMPTY;
+    };
+    branch.axis.iter().fold(Bounds::EMPTY, |bounds, sample| {
+        let radius = Vec3::splat(sample.radius);
+        bounds
+            .with_point(sample.position - radius)
+            .with_point(sample.position + radius)
+    })
+}
+
+/// A warning if the largest capture has too few texels to look like anything.
+fn crowding(rects: &[Rect], plan: &Plan, size: u32) -> Vec<Warning> {
+    const FEWEST: u32 = 48;
+    let largest = rects[..plan.captures()]
+        .iter()
+        .map(|r| r.width.max(r.height))
+        .max()
+        .unwrap_or(0);
+    if largest < FEWEST {
+        vec![Warning::AtlasCrowded { size, largest }]
+    } else {
+        Vec::new()
+    }
+}
+
+/// The rectangle without its transparent border of one texel.
+fn inner_size(rect: &Rect) -> (u32, u32) {
+    (rect.width - 2, rect.height - 2)
+}
+
+fn uv_of(rect: &Rect, size: u32) -> UvRect {
+    let part = |texels: u32| float(texels) / float(size);
+    UvRect {
+        u0: part(rect.x + 1),
+        v0: part(rect.y + 1),
+        u1: part(rect.x + rect.width - 1),
+        v1: part(rect.y + rect.height - 1),
+    }
+}
+
+fn copy_into(atlas: &mut Image<Texel>, rect: &Rect, image: &Image<Texel>) {
+    for y in 0..image.height() {
+        for x in 0..image.width() {
+            *atlas.at_mut(rect.x + 1 + x, rect.y + 1 + y) = *image.at(x, y);
+        }
+    }
+}
+
+/// By level: the turn in which its mean node stands in the world, where that matters for what it
+/// carries (a level below turns toward gravity); else no turn.
+fn standing(tree: &Tree) -> Vec<Quat> {
+    /// Nodes looked at; the mean of more would hardly differ.
+    const NODES: usize = 4096;
+    let mut ups = vec![Vec3::ZERO; tree.levels.len()];
+    let mut queue = std::collections::VecDeque::from([(0_usize, 0_usize, Similarity::IDENTITY)]);
+    let mut seen = vec![0_usize; tree.levels.len()];
+    while let Some((level, prototype, place)) = queue.pop_front() {
+        ups[level] += place.rotation.conjugate() * Vec3::Y;
+        for link in &tree.prototype(level, prototype).links {
+            let next = link.level as usize;
+            if seen[next] < NODES && tree.levels[next].kind != Kind::Leaf {
+                seen[next] += 1;
+                queue.push_back((next, link.prototype as usize, tree.place(&place, link)));
+            }
+        }
+    }
+    let turn = |(level, up): (usize, &Vec3)| {
+        let up = up.normalize_or(Vec3::Y);
+        // A mean that points straight down has no shortest way up; any half turn will do.
+        if tree.turns_below(level) {
+            Quat::from_rotation_arc(up, Vec3::Y)
+        } else {
+            Quat::IDENTITY
+        }
+    };
+    ups.iter().enumerate().map(turn).collect()
+}
+
+/// One finished capture: its texels, and the quad to put them on (without its place in the atlas).
+struct Shot {
+    image: Image<Texel>,
+    quad: Quad,
+}
+
+/// All that is needed to draw any subject.
+struct Studio<'a> {
+    tree: &'a Tree,
+    quads: &'a CrossQuads,
+    textures: Textures<'a>,
+    bark_height: f32,
+    supersample: u32,
+}
+
+impl Studio<'_> {
+    fn shoot(
+        &self,
+        subject: Subject,
+        source: Option<usize>,
+        turn: Quat,
+        rects: [&Rect; VIEWS],
+    ) -> Result<[Shot; VIEWS], BakeError> {
+        let (level, prototype) = subject_at(subject);
+        let state = self.state(subject, source);
+        let mut form = self.quads.form(self.tree, &state, self.bark_height);
+        let mesh = self.mesh(&form, level, prototype, turn)?;
+        let occlusion = Occlusion::of(&mesh);
+        let part = &self.tree.prototype(level, prototype).part;
+        let second = if matches!(subject, Subject::Combined { .. }) && strays(part, RIGHT[0]) {
+            form.templates[level][prototype] = None;
+            Some(self.mesh(&form, level, prototype, turn)?)
+        } else {
+            None
+        };
+        let thick = match (subject, part) {
+            (Subject::Branch { .. }, Part::Branch(branch)) => branch.radius,
+            _ => 0.0,
+        };
+        let bounds = mesh.bounds();
+        let second = second.as_ref().unwrap_or(&mesh);
+        Ok([
+            self.view(&mesh, &bounds, &occlusion, RIGHT[0], rects[0], thick),
+            self.view(second, &bounds, &occlusion, RIGHT[1], rects[1], thick),
+        ])
+    }
+
+    /// In which form each level is drawn in a capture of `subject`.
+    fn state(&self, subject: Subject, source: Option<usize>) -> State {
+        let (level, _) = subject_at(subject);
+        let tree = self.tree;
+        let form = |l: usize| {
+            let outside = !tree.is_below(l, level);
+            let alone = matches!(subject, Subject::Branch { .. }) && l != level;
+            match source {
+                _ if outside || alone => LodForm::Inside,
+                Some(collapsed) if l == collapsed => LodForm::Collapsed,
+                Some(collapsed) if tree.is_below(l, collapsed) => LodForm::Inside,
+                _ => LodForm::Geometry(CAPTURE_SPLINE_LOD),
+            }
+        };
+        State {
+            forms: (0..tree.levels.len()).map(form).collect(),
+        }
+    }
+
+    fn mesh(
+        &self,
+        form: &crate::mesh::Form,
+        level: usize,
+        prototype: usize,
+        turn: Quat,
+    ) -> Result<Mesh, TooLarge> {
+        let mut mesh = Mesh::default();
+        let place = Similarity {
+            rotation: turn,
+            ..Similarity::IDENTITY
+        };
+        Flattener::new(self.tree, form).write(level, prototype, &place, &mut mesh)?;
+        if turn != Quat::IDENTITY {
+            let back = turn.conjugate();
+            mesh.bark
+                .vertices
+                .iter_mut()
+                .for_each(|v| turn_vertex(v, back));
+            mesh.foliage
+                .vertices
+                .iter_mut()
+                .for_each(|v| turn_vertex(v, back));
+        }
+        Ok(mesh)
+    }
+
+    fn view(
+        &self,
+        mesh: &Mesh,
+        bounds: &Bounds,
+        occlusion: &Occlusion,
+        right: Vec3,
+        rect: &Rect,
+        thick: f32,
+    ) -> Shot {
+        let (width, height) = inner_size(rect);
+        let size = bounds.size().max(Vec3::splat(1e-5));
+        let half = [size.dot(right.abs()) * 0.5, size.y * 0.5];
+        let view = View {
+            centre: bounds.centre(),
+            right,
+            up: Vec3::Y,
+            half,
+            width: width * self.supersample,
+            height: height * self.supersample,
+        };
+        let seen = Visibility::draw(mesh, self.textures, &view);
+        let mut image = self.resolve(&seen, mesh, &view, occlusion, (width, height));
+        let plane = mean_depth(&image);
+        let longer = (2.0 * half[0]).max(2.0 * half[1]);
+        for texel in image.texels_mut().iter_mut().filter(|t| t.alpha > 0.0) {
+            texel.depth = ((texel.depth - plane) / longer).clamp(-1.0, 1.0);
+        }
+        let centre = view.centre + view.toward() * plane;
+        let thick = thick.min(half[0] * 0.95);
+        Shot {
+            image,
+            quad: Quad {
+                centre,
+                right,
+                half,
+                thick,
+                uv: UvRect::ALL,
+            },
+        }
+    }
+
+    /// Averages the samples of each texel; depth is still in metres.
+    fn resolve(
+        &self,
+        seen: &Visibility,
+        mesh: &Mesh,
+        view: &View,
+        occlusion: &Occlusion,
+        (width, height): (u32, u32),
+    ) -> Image<Texel> {
+        let n = self.supersample;
+        let row = |y: u32| {
+            (0..width).map(move |x| {
+                let mut sum = Sum::default();
+                for (sx, sy) in (0..n).flat_map(|j| (0..n).map(move |i| (x * n + i, y * n + j))) {
+                    if let Some(texel) = seen.surface(sx, sy, mesh, self.textures, view) {
+                        sum.add(&texel);
+                    }
+                }
+                let mut texel = sum.mean(n * n);
+                if texel.alpha > 0.0 {
+                    let at = glam::Vec2::new(
+                        float(x * n) + 0.5 * float(n),
+                        float(y * n) + 0.5 * float(n),
+                    );
+                    texel.occlusion *= occlusion.open(view.unproject(at, texel.depth));
+                }
+                texel
+            })
+        };
+        let texels: Vec<Texel> = (0..height).into_par_iter().flat_map_iter(row).collect();
+        Image::from_texels(width, height, texels)
+    }
+}
+
+fn turn_vertex(vertex: &mut Vertex, turn: Quat) {
+    let [x, y, z, w] = vertex.tangent;
+    let tangent = turn * Vec3::new(x, y, z);
+    vertex.position = (turn * Vec3::from(vertex.position)).to_array();
+    vertex.normal = (turn * Vec3::from(vertex.normal)).to_array();
+    vertex.tangent = [tangent.x, tangent.y, tangent.z, w];
+}
+
+/// True if a branch bends so far along `across` that the quad at right angles to it would show the
+/// branch a second time, beside itself (Koniaris et al., section IV.D).
+fn strays(part: &Part, across: Vec3) -> bool {
+    let Part::Branch(branch) = part else {
+        return false;
+    };
+    let offsets = branch.axis.iter().map(|s| s.position.dot(across));
+    let (low, high) = offsets.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| {
+        (l.min(x), h.max(x))
+    });
+    (high - low) * 0.5 > DOUBLED_ABOVE * branch.radius
+}
+
+/// Coverage-weighted mean depth, metres.
+fn mean_depth(image: &Image<Texel>) -> f32 {
+    let (sum, weight) = image.texels().iter().fold((0.0_f64, 0.0_f64), |(s, w), t| {
+        (s + f64::from(t.depth * t.alpha), w + f64::from(t.alpha))
+    });
+    #[expect(clippy::cast_possible_truncation, reason = "metres fit a float")]
+    let mean = if weight > 0.0 {
+        (sum / weight) as f32
+    } else {
+        0.0
+    };
+    mean
+}
+
+/// Running sum of covered samples.
+#[derive(Default)]
+struct Sum {
+    albedo: Vec3,
+    normal: Vec3,
+    rest: [f32; 4],
+    count: u32,
+}
+
+impl Sum {
+    fn add(&mut self, texel: &Texel) {
+        self.albedo += Vec3::from(texel.albedo);
+        self.normal += Vec3::from(texel.normal);
+        let rest = [
+            texel.occlusion,
+            texel.roughness,
+            texel.translucency,
+            texel.depth,
+        ];
+        for (sum, value) in self.rest.iter_mut().zip(rest) {
+            *sum += value;
+        }
+        self.count += 1;
+    }
+
+    fn mean(&self, samples: u32) -> Texel {
+        if self.count == 0 {
+            return Texel::EMPTY;
+        }
+        let part = 1.0 / float(self.count);
+        let [occlusion, roughness, translucency, depth] = self.rest.map(|x| x * part);
+        Texel {
+            albedo: (self.albedo * part).to_array(),
+            alpha: float(self.count) / float(samples),
+            normal: self.normal.normalize_or(Vec3::Z).to_array(),
+            occlusion,
+            roughness,
+            translucency,
+            depth,
+        }
+    }
+}

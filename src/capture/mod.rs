@@ -1,0 +1,15 @@
+//! Captures: render to texture, on the CPU.
+//!
+//! Home of: Koniaris, Gaitatzes, Papaioannou 2009, section IV.D. Captured per texel: albedo, coverage,
+//! normal in the quad's tangent frame, ambient occlusion, roughness, translucency, depth offset. Never
+//! baked lighting.
+
+mod bake;
+mod occlusion;
+mod plan;
+mod raster;
+
+pub use bake::{BakeError, Baked, LeafArtwork, Settings, Source, bake};
+pub use occlusion::Occlusion;
+pub use plan::{Plan, Subject, VIEWS};
+pub use raster::{ALPHA_CUTOFF, Textures, View, Visibility};

@@ -1,0 +1,182 @@
+//! How much sky a point inside a crown sees: a coarse grid of leaf density, swept in many directions.
+//!
+//! Leaves are too many to trace, and a single one hardly matters: what darkens the inside of a crown is
+//! the mass of it. So triangle areas are gathered in a grid, and light fades along straight paths by
+//! Beer and Lambert's law, half of the area facing any one direction.
+
+use crate::math::{Bounds, Vec3, floor_to_u32};
+use crate::mesh::{Mesh, Primitive};
+
+/// Cells along the longest edge.
+const CELLS: u32 = 28;
+
+/// Part of a foliage card's area that is leaf, on average.
+const CARD_COVERAGE: f32 = 0.5;
+
+/// Opacity of area per cell: half of it faces any one direction (random orientation), and light that
+/// is scattered onward makes shade softer than pure absorption.
+const EXTINCTION: f32 = 0.5 * 0.6;
+
+/// Density of a mesh and light that reaches each cell.
+#[derive(Clone, Debug)]
+pub struct Occlusion {
+    origin: Vec3,
+    cell: f32,
+    size: [u32; 3],
+    /// Optical depth per metre in each cell.
+    density: Vec<f32>,
+    /// Mean transmittance from all directions.
+    open: Vec<f32>,
+}
+
+impl Occlusion {
+    /// Gathers the density of a mesh and the light that all directions together bring to each cell.
+    #[must_use]
+    pub fn of(mesh: &Mesh) -> Self {
+        let mut grid = Self::density_of(mesh, CELLS);
+        let directions = all_around();
+        grid.open = (0..grid.density.len())
+            .map(|index| {
+                let point = grid.middle(index);
+                let sum: f32 = directions
+                    .iter()
+                    .map(|&d| grid.transmittance(point, d))
+                    .sum();
+                #[expect(clippy::cast_precision_loss, reason = "a handful of directions")]
+                let mean = sum / directions.len() as f32;
+                mean
+            })
+            .collect();
+        grid
+    }
+
+    /// The density alone, in a grid of `cells` along the longest edge.
+    #[must_use]
+    pub fn density_of(mesh: &Mesh, cells: u32) -> Self {
+        let bounds = mesh.bounds();
+        let bounds = if bounds.is_empty() {
+            Bounds {
+                min: Vec3::ZERO,
+                max: Vec3::ONE,
+            }
+        } else {
+            bounds
+        };
+        #[expect(clippy::cast_precision_loss, reason = "a few dozen cells")]
+        let cell = (bounds.size().max_element() / cells as f32).max(1e-6);
+        let size = bounds
+            .size()
+            .to_array()
+            .map(|edge| floor_to_u32(edge / cell) + 1);
+        let count = size.iter().map(|&n| n as usize).product();
+        let mut grid = Self {
+            origin: bounds.min,
+            cell,
+            size,
+            density: vec![0.0; count],
+            open: Vec::new(),
+        };
+        grid.gather(&mesh.bark, 1.0);
+        grid.gather(&mesh.foliage, CARD_COVERAGE);
+        let volume = cell * cell * cell;
+        grid.density
+            .iter_mut()
+            .for_each(|d| *d *= EXTINCTION / volume);
+        grid
+    }
+
+    fn gather(&mut self, primitive: &Primitive, coverage: f32) {
+        for corners in primitive.indices.chunks_exact(3) {
+            let [a, b, c] = [corners[0], corners[1], corners[2]]
+                .map(|i| Vec3::from(primitive.vertices[i as usize].position));
+            let area = (b - a).cross(c - a).length() * 0.5;
+            let at = self.index((a + b + c) / 3.0);
+            self.density[at] += area * coverage;
+        }
+    }
+
+    fn index(&self, point: Vec3) -> usize {
+        let p = (point - self.origin) / self.cell;
+        let at = |x: f32, n: u32| floor_to_u32(x).min(n - 1) as usize;
+        let [nx, ny, nz] = self.size;
+        (at(p.z, nz) * ny as usize + at(p.y, ny)) * nx as usize + at(p.x, nx)
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "a few dozen cells")]
+    fn middle(&self, index: usize) -> Vec3 {
+        let (nx, ny) = (self.size[0] as usize, self.size[1] as usize);
+        let (x, y, z) = (index % nx, index / nx % ny, index / (nx * ny));
+        self.origin + (Vec3::new(x as f32, y as f32, z as f32) + 0.5) * self.cell
+    }
+
+    fn inside(&self, point: Vec3) -> bool {
+        let p = (point - self.origin) / self.cell;
+        let size = self.size.map(crate::math::float);
+        p.cmpge(Vec3::ZERO).all() && p.x < size[0] && p.y < size[1] && p.z < size[2]
+    }
+
+    /// Part of the light from a unit `direction` that reaches a point, 0..=1. The point's own cell
+    /// does not count, or every leaf would stand in its own shade.
+    #[must_use]
+    pub fn transmittance(&self, point: Vec3, direction: Vec3) -> f32 {
+        let mut depth = 0.0;
+        let mut at = point + direction * (1.2 * self.cell);
+        while self.inside(at) {
+            depth += self.density[self.index(at)] * self.cell;
+            if depth > 6.0 {
+                break;
+            }
+            at += direction * self.cell;
+        }
+        libm::expf(-depth)
+    }
+
+    /// Part of the surrounding light that reaches a point, 0..=1, smooth between cells.
+    #[must_use]
+    pub fn open(&self, point: Vec3) -> f32 {
+        let p = (point - self.origin) / self.cell - 0.5;
+        let base = p.floor();
+        let part = p - base;
+        let mut sum = 0.0;
+        for corner in 0..8_u8 {
+            let pick = |bit: u8, f: f32| {
+                if corner & bit == 0 {
+                    (0.0, 1.0 - f)
+                } else {
+                    (1.0, f)
+                }
+            };
+            let (x, wx) = pick(1, part.x);
+            let (y, wy) = pick(2, part.y);
+            let (z, wz) = pick(4, part.z);
+            let cell = base + Vec3::new(x, y, z) + 0.5;
+            let at = self.index(self.origin + cell.max(Vec3::ZERO) * self.cell);
+            sum += self.open[at] * wx * wy * wz;
+        }
+        sum
+    }
+}
+
+/// Six axes and eight diagonals.
+fn all_around() -> Vec<Vec3> {
+    let mut directions = vec![
+        Vec3::X,
+        Vec3::NEG_X,
+        Vec3::Y,
+        Vec3::NEG_Y,
+        Vec3::Z,
+        Vec3::NEG_Z,
+    ];
+    let diagonal = 1.0 / 3.0_f32.sqrt();
+    for corner in 0..8_u8 {
+        let sign = |bit: u8| {
+            if corner & bit == 0 {
+                -diagonal
+            } else {
+                diagonal
+            }
+        };
+        directions.push(Vec3::new(sign(1), sign(2), sign(4)));
+    }
+    directions
+}

@@ -1,0 +1,103 @@
+//! Crossed quads per level: a node with all that grows on it, or a branch alone, as two upright quads at
+//! right angles, textured with the captures that all nodes of the level share.
+//!
+//! Home of: Koniaris, Gaitatzes, Papaioannou 2009, section IV (replacement of sub-trees and branches by
+//! cross-quads).
+//!
+//! Changes versus the paper: each quad stands at the mean depth of what its capture shows, not at the
+//! branch's axis; a single branch's quad is widened by the node's thickness only by its radius, so that
+//! a bend is not widened too.
+//!
+//! Cost: 4 triangles a node.
+
+use crate::lod::{Form as LodForm, State};
+use crate::math::Vec3;
+use crate::mesh::card::{self, Quad, UvRect};
+use crate::mesh::{Form, Template, tube};
+use crate::tree::{Kind, Part, Prototype, Tree};
+
+/// The quads and cards that a tree's captures allow.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CrossQuads {
+    /// By level and prototype: the node with all that grows on it.
+    pub combined: Vec<Vec<Option<[Quad; 2]>>>,
+    /// By level and prototype: the branch alone.
+    pub branches: Vec<Vec<Option<[Quad; 2]>>>,
+    /// By leaf kind: its part of the atlas.
+    pub leaves: Vec<UvRect>,
+}
+
+impl CrossQuads {
+    /// Nothing captured yet.
+    #[must_use]
+    pub fn none(tree: &Tree, leaves: Vec<UvRect>) -> Self {
+        let empty: Vec<Vec<Option<[Quad; 2]>>> = tree
+            .levels
+            .iter()
+            .map(|l| vec![None; l.prototypes.len()])
+            .collect();
+        Self {
+            combined: empty.clone(),
+            branches: empty,
+            leaves,
+        }
+    }
+
+    /// What to draw for each prototype in a LOD state. `bark_height` is the real height of one repeat of
+    /// the bark, metres. A prototype without the capture that its form asks for is not drawn.
+    #[must_use]
+    pub fn form(&self, tree: &Tree, state: &State, bark_height: f32) -> Form {
+        let template = |level: usize, index: usize, prototype: &Prototype| match state.forms[level]
+        {
+            LodForm::Inside => None,
+            LodForm::Collapsed => self.combined[level][index].map(|quads| card::quads(&quads)),
+            LodForm::Quads => self.branches[level][index].map(|quads| card::quads(&quads)),
+            LodForm::Geometry(lod) => self.geometry(&prototype.part, lod as usize, bark_height),
+        };
+        let templates = tree.levels.iter().enumerate().map(|(level, shared)| {
+            let prototypes = shared.prototypes.iter().enumerate();
+            prototypes
+                .map(|(index, prototype)| template(level, index, prototype))
+                .collect()
+        });
+        let open = |level: usize| tree.levels[level].kind != Kind::Leaf && state.is_open(level);
+        Form {
+            templates: templates.collect(),
+            open: (0..tree.levels.len()).map(open).collect(),
+        }
+    }
+
+    fn geometry(&self, part: &Part, lod: usize, bark_height: f32) -> Option<Template> {
+        match part {
+            Part::Stool => None,
+            Part::Branch(branch) => Some(tube(branch, lod, bark_height)),
+            &Part::Leaf {
+                kind,
+                length,
+                width,
+                fold,
+            } => {
+                let uv = self
+                    .leaves
+                    .get(kind as usize)
+                    .copied()
+                    .unwrap_or(UvRect::ALL);
+                Some(card::leaf(length, width, fold, uv))
+            }
+        }
+    }
+}
+
+/// A captured quad for a branch of the same shape and `factor` times the size.
+#[must_use]
+pub fn scaled(quads: &[Quad; 2], factor: f32) -> [Quad; 2] {
+    quads.map(|quad| Quad {
+        centre: quad.centre * factor,
+        half: quad.half.map(|h| h * factor),
+        thick: quad.thick * factor,
+        ..quad
+    })
+}
+
+/// The right-hand directions of the two captures: (x, y) seen from +Z and (z, y) seen from +X.
+pub const RIGHT: [Vec3; 2] = [Vec3::X, Vec3::NEG_Z];
