@@ -7,6 +7,8 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 const SIZE = 512;
 const THUMB = 256;
 const FIELD_OF_VIEW = 25;
+/** Share of the picture's width or height that LOD0's box fills. */
+const FILL = 0.92;
 /** Azimuths in degrees: off the axes, so that a crossed quad is never seen edge on. */
 const SIDES = { front: 25, side: 115 };
 /** Two backgrounds tell what is tree: it is where the picture does not change with them. */
@@ -29,8 +31,11 @@ let frame = null;
 const thumbs = [];
 
 async function lod(url, label) {
-  const gltf = await new GLTFLoader().loadAsync(url);
-  const tree = gltf.scene;
+  // Fetched here: the loader's own fetch reads the body through a stream, and the browser now and
+  // then reports such a request as aborted though every byte of it has arrived.
+  const bytes = await (await fetch(url)).arrayBuffer();
+  const folder = url.slice(0, url.lastIndexOf('/') + 1);
+  const tree = (await new GLTFLoader().parseAsync(bytes, folder)).scene;
   const box = new THREE.Box3().setFromObject(tree, true);
   if (box.isEmpty()) throw new Error('the LOD has no geometry');
   frame ??= box;
@@ -69,16 +74,34 @@ function look(side) {
   const turn = THREE.MathUtils.degToRad(SIDES[side]);
   const out = new THREE.Vector3(Math.sin(turn), 0.15, Math.cos(turn)).normalize();
   const centre = frame.getCenter(new THREE.Vector3());
+  camera.position.copy(centre).add(out);
+  camera.lookAt(centre);
+  camera.updateMatrixWorld();
+  const distance = distanceToFit(centre);
   const radius = frame.getSize(new THREE.Vector3()).length() / 2;
-  const distance = radius / Math.sin(THREE.MathUtils.degToRad(FIELD_OF_VIEW / 2));
-  camera.near = distance - 1.5 * radius;
+  camera.near = Math.max(distance - 1.5 * radius, 0.01 * distance);
   camera.far = distance + 1.5 * radius;
   camera.position.copy(centre).addScaledVector(out, distance);
-  camera.lookAt(centre);
   camera.updateProjectionMatrix();
   // The sun stands over the viewer's left shoulder, whichever side is shown.
   sun.position.copy(out).applyAxisAngle(new THREE.Vector3(0, 1, 0), -0.7);
   sun.position.y += 0.8;
+}
+
+/** How far from the box's centre the camera must be for the box to keep clear of the border. */
+function distanceToFit(centre) {
+  const [right, up, out] = [0, 1, 2].map((column) =>
+    new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, column),
+  );
+  const reach = FILL * Math.tan(THREE.MathUtils.degToRad(FIELD_OF_VIEW / 2));
+  let distance = 0;
+  for (let i = 0; i < 8; i += 1) {
+    const pick = (axis, bit) => (i & bit ? frame.max[axis] : frame.min[axis]);
+    const corner = new THREE.Vector3(pick('x', 1), pick('y', 2), pick('z', 4)).sub(centre);
+    const wide = Math.max(Math.abs(corner.dot(right)), Math.abs(corner.dot(up)));
+    distance = Math.max(distance, corner.dot(out) + wide / reach);
+  }
+  return distance;
 }
 
 function draw(background) {
@@ -94,7 +117,7 @@ function draw(background) {
 function matte() {
   const onLight = draw(LIGHT);
   const onDark = draw(DARK);
-  // Corner pixels show the background alone: the frame leaves a margin around the box.
+  // A corner pixel shows the background alone: the frame leaves a margin around LOD0's box.
   const span = sum(onLight, 0) - sum(onDark, 0);
   let covered = 0;
   let solid = 0;
@@ -116,7 +139,7 @@ function matte() {
     area: covered / (SIZE * SIZE),
     white: share(white),
     black: share(black),
-    brightness: share(brightness),
+    brightness: solid > 0 ? brightness / solid : null,
   };
 }
 

@@ -22,8 +22,12 @@ export async function serve() {
     if (request.url === '/favicon.ico') response.writeHead(204).end();
     else if (body === null) response.writeHead(404).end();
     else {
-      const type = TYPES[path.extname(name)] ?? 'application/octet-stream';
-      response.writeHead(200, { 'Content-Type': type, 'Cache-Control': 'no-store' }).end(body);
+      response.writeHead(200, {
+        'Content-Type': TYPES[path.extname(name)] ?? 'application/octet-stream',
+        'Content-Length': body.length,
+        'Cache-Control': 'no-store',
+      });
+      response.end(body);
     }
   });
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));

@@ -15,6 +15,8 @@ const AREA_BAND = [0.5, 1.6];
 const BRIGHTNESS_BAND = [0.6, 1.6];
 /** Least share of the picture that a tree covers when it fills the frame. */
 const LEAST_AREA = 0.02;
+/** Least share of the picture that foliage covers, where a LOD has any. */
+const LEAST_FOLIAGE = 0.002;
 /** Most of the foliage that may be pure white, or pure black. */
 const MOST_CLIPPED = 0.02;
 /** A LOD that takes longer than this to load and draw has hung. */
@@ -99,7 +101,9 @@ function listen(page) {
     if (message.type() === 'error') complaints.push(`console error: ${message.text()}`);
   });
   page.on('pageerror', (error) => complaints.push(`uncaught: ${firstLine(error)}`));
-  page.on('requestfailed', (request) => complaints.push(`request failed: ${request.url()}`));
+  page.on('requestfailed', (request) => {
+    complaints.push(`request failed: ${request.url()} (${request.failure()?.errorText})`);
+  });
   page.on('response', (response) => {
     if (response.status() >= 400) complaints.push(`${response.status()} for ${response.url()}`);
   });
@@ -154,7 +158,7 @@ function judgeViews({ views }, lod) {
     }
     if (area < LEAST_AREA) faults.push(`${side}: blank, only ${percent(area)} is covered`);
     if (foliage === null) continue;
-    if (foliage.area < LEAST_AREA) faults.push(`${side}: foliage covers ${percent(foliage.area)}`);
+    if (foliage.area < LEAST_FOLIAGE) faults.push(`${side}: foliage covers ${percent(foliage.area)}`);
     if (foliage.white > MOST_CLIPPED) faults.push(`${side}: ${percent(foliage.white)} of the foliage is white`);
     if (foliage.black > MOST_CLIPPED) faults.push(`${side}: ${percent(foliage.black)} of the foliage is black`);
   }
@@ -171,8 +175,8 @@ function compareWithFirst(seen, first) {
     if (!within(area, AREA_BAND)) {
       faults.push(`${view.side}: silhouette is ${area.toFixed(2)} of LOD0's`);
     }
-    if (!view.foliage || !first.views[i].foliage) return;
-    const brightness = view.foliage.brightness / first.views[i].foliage.brightness;
+    const brightness = view.foliage?.brightness / first.views[i].foliage?.brightness;
+    if (!Number.isFinite(brightness)) return;
     brightnesses.push(brightness.toFixed(2));
     if (!within(brightness, BRIGHTNESS_BAND)) {
       faults.push(`${view.side}: foliage is ${brightness.toFixed(2)} as bright as LOD0's`);
