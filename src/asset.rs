@@ -1,0 +1,113 @@
+//! A finished tree: everything that an exporter or a renderer needs, and nothing that it must compute.
+
+use crate::image::Image;
+use crate::image::atlas::Rect;
+use crate::lod::Triangles;
+use crate::math::Bounds;
+use crate::mesh::Mesh;
+use crate::report::Warning;
+use crate::shadow::Shadows;
+use crate::tree::{Kind, Tree};
+
+/// A tree with its LODs, textures and shadows.
+#[derive(Clone, Debug)]
+pub struct TreeAsset {
+    /// Common name.
+    pub name: String,
+    /// Botanical name; may be empty.
+    pub latin: String,
+    /// File-name form of the name.
+    pub slug: String,
+    /// Seed it was grown from.
+    pub seed: u64,
+    /// The graph.
+    pub tree: Tree,
+    /// Number of captures.
+    pub captures: usize,
+    /// LODs from the finest to the coarsest.
+    pub lods: Vec<AssetLod>,
+    /// Foliage atlas.
+    pub foliage: Surface,
+    /// Bark texture; repeats.
+    pub bark: Surface,
+    /// Part of the foliage atlas of each view of each capture, then of each leaf kind.
+    pub rects: Vec<Rect>,
+    /// Nine soft ground shadows.
+    pub shadows: Shadows,
+    /// Bounds of the finest LOD, metres.
+    pub bounds: Bounds,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// One LOD, ready to be drawn or written.
+#[derive(Clone, Debug)]
+pub struct AssetLod {
+    /// Budget that it meets; `None` for full detail.
+    pub budget: Option<u64>,
+    /// Forms of the levels, in words.
+    pub state: String,
+    /// Triangles by material; what the mesh holds.
+    pub triangles: Triangles,
+    /// Geometric error, metres; rises along the chain.
+    pub error_m: f32,
+    /// Part of the picture's height up to which it may be shown; falls along the chain.
+    pub screen_size: f32,
+    /// Geometry, with uv into the two surfaces.
+    pub mesh: Mesh,
+}
+
+/// A textured surface in the bytes that files hold.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// sRGB colour and linear alpha.
+    pub albedo: Image<[u8; 4]>,
+    /// Tangent-space normal, +Y up the image.
+    pub normal: Image<[u8; 3]>,
+    /// Occlusion, roughness, metalness.
+    pub orm: Image<[u8; 3]>,
+    /// Translucency, depth offset (128 is none), coverage.
+    pub extra: Image<[u8; 3]>,
+}
+
+impl Surface {
+    /// Quantises texels.
+    #[must_use]
+    pub fn of(texels: &Image<crate::image::Texel>) -> Self {
+        let (albedo, (normal, (orm, extra))) = rayon::join(
+            || texels.map(crate::image::Texel::albedo_bytes),
+            || (texels.map(crate::image::Texel::normal_bytes),
+                (texels.map(crate::image::Texel::orm_bytes), texels.map(crate::image::Texel::extra_bytes))),
+        );
+        Self { albedo, normal, orm, extra }
+    }
+}
+
+/// One line of a level summary.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LevelSummary {
+    /// Level name.
+    pub name: String,
+    /// `stool`, `branch` or `leaf`.
+    pub kind: &'static str,
+    /// Prototypes.
+    pub prototypes: usize,
+    /// Nodes of all prototypes.
+    pub nodes: u64,
+}
+
+/// Levels with their node counts, from the first level outward.
+#[must_use]
+pub fn level_summaries(tree: &Tree) -> Vec<LevelSummary> {
+    let summary = |(level, nodes): (&crate::tree::TreeLevel, &Vec<u64>)| LevelSummary {
+        name: level.name.clone(),
+        kind: match level.kind {
+            Kind::Stool => "stool",
+            Kind::Branch => "branch",
+            Kind::Leaf => "leaf",
+        },
+        prototypes: level.prototypes.len(),
+        nodes: nodes.iter().sum(),
+    };
+    tree.levels.iter().zip(&tree.nodes()).map(summary).collect()
+}

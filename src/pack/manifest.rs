@@ -1,0 +1,269 @@
+//! `pack.json`: what a pack holds, in words that need no SDK. Field names are a contract.
+
+use super::{BuildError, PackFile};
+use crate::asset::{TreeAsset, level_summaries};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Value of the manifest's `format`.
+pub const FORMAT: &str = "pleach-pack";
+
+/// Version of the manifest that this program writes and reads.
+pub const VERSION: u32 = 1;
+
+/// The whole manifest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// [`FORMAT`].
+    pub format: String,
+    /// [`VERSION`].
+    pub version: u32,
+    /// Program and version that wrote the pack.
+    pub generator: String,
+    /// What grew.
+    pub species: SpeciesEntry,
+    /// Seed.
+    pub seed: u64,
+    /// Always `m`.
+    pub units: String,
+    /// Always `+Y`.
+    pub up: String,
+    /// Bounds of the finest LOD, metres.
+    pub bounds: BoundsEntry,
+    /// Levels, the first first.
+    pub levels: Vec<LevelEntry>,
+    /// Number of captures.
+    pub captures: usize,
+    /// LODs, the finest first.
+    pub lods: Vec<LodEntry>,
+    /// Textures by role.
+    pub textures: TexturesEntry,
+    /// Ground shadows.
+    pub shadows: ShadowsEntry,
+    /// Every file of the pack but the manifest.
+    pub files: Vec<FileEntry>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Names of a species.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpeciesEntry {
+    /// Common name.
+    pub name: String,
+    /// Botanical name.
+    pub latin: String,
+    /// File-name form.
+    pub slug: String,
+}
+
+/// An axis-aligned box, metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoundsEntry {
+    /// Smallest corner.
+    pub min: [f32; 3],
+    /// Largest corner.
+    pub max: [f32; 3],
+}
+
+/// One level.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LevelEntry {
+    /// Name.
+    pub name: String,
+    /// `stool`, `branch` or `leaf`.
+    pub kind: String,
+    /// Prototypes.
+    pub prototypes: usize,
+    /// Nodes.
+    pub nodes: u64,
+}
+
+/// One LOD.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LodEntry {
+    /// Position in the chain, 0 the finest.
+    pub index: usize,
+    /// File.
+    pub file: String,
+    /// Budget; null for full detail.
+    pub budget: Option<u64>,
+    /// Triangles.
+    pub triangles: u64,
+    /// Triangles of the bark primitive.
+    pub branches_triangles: u64,
+    /// Triangles of the foliage primitive.
+    pub foliage_triangles: u64,
+    /// Geometric error, metres; rises along the chain.
+    pub error_m: f32,
+    /// Part of the picture's height up to which the LOD may be shown.
+    pub screen_size: f32,
+    /// In which form each level is drawn.
+    pub state: String,
+}
+
+/// Textures by role. Foliage alpha is coverage; normals are +Y up; `orm` is occlusion, roughness,
+/// metalness; `extra` is translucency, depth offset (128 is none), coverage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TexturesEntry {
+    /// Bark.
+    pub bark: SurfaceEntry,
+    /// The foliage atlas.
+    pub foliage: SurfaceEntry,
+}
+
+/// Texture files of one material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceEntry {
+    /// sRGB, with alpha for foliage.
+    pub albedo: String,
+    /// Tangent-space normals.
+    pub normal: String,
+    /// Occlusion, roughness, metalness.
+    pub orm: String,
+    /// Translucency, depth, coverage; foliage only.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub extra: Option<String>,
+    /// Edge lengths, texels.
+    pub size: [u32; 2],
+    /// Coverage-preserving mips of the albedo, from half size downward.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub mips: Vec<String>,
+}
+
+/// The shadow atlas.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShadowsEntry {
+    /// File: 8-bit grey, 255 full shadow. The first four texels of each map are not shadow: they hold
+    /// `trunk_base` as two little-endian u16.
+    pub file: String,
+    /// The nine maps.
+    pub maps: Vec<ShadowMapEntry>,
+}
+
+/// One shadow map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShadowMapEntry {
+    /// Unit vector toward the light.
+    pub direction: [f32; 3],
+    /// x, y, width, height in the file, texels.
+    pub rect: [u32; 4],
+    /// Texel of the trunk base's centre in the map.
+    pub trunk_base: [u16; 2],
+    /// Ground covered by the map, metres: smallest x, smallest z, largest x, largest z.
+    pub ground_rect_m: [f32; 4],
+}
+
+/// One file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FileEntry {
+    /// Path in the pack.
+    pub path: String,
+    /// Size.
+    pub bytes: u64,
+    /// SHA-256 of the content, lower-case hexadecimal.
+    pub sha256: String,
+}
+
+impl Manifest {
+    /// Describes an asset and its files.
+    pub(super) fn of(asset: &TreeAsset, files: &[PackFile]) -> Self {
+        let levels = level_summaries(&asset.tree).into_iter().map(|l| LevelEntry {
+            name: l.name,
+            kind: l.kind.to_owned(),
+            prototypes: l.prototypes,
+            nodes: l.nodes,
+        });
+        let lods = asset.lods.iter().enumerate().map(|(index, lod)| LodEntry {
+            index,
+            file: format!("{}_LOD{index}.glb", asset.slug),
+            budget: lod.budget,
+            triangles: lod.triangles.total(),
+            branches_triangles: lod.triangles.branches,
+            foliage_triangles: lod.triangles.foliage,
+            error_m: lod.error_m,
+            screen_size: lod.screen_size,
+            state: lod.state.clone(),
+        });
+        let file = |f: &PackFile| FileEntry {
+            path: f.path.clone(),
+            bytes: f.bytes.len() as u64,
+            sha256: sha256(&f.bytes),
+        };
+        Self {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            generator: concat!("pleach ", env!("CARGO_PKG_VERSION")).to_owned(),
+            species: SpeciesEntry {
+                name: asset.name.clone(),
+                latin: asset.latin.clone(),
+                slug: asset.slug.clone(),
+            },
+            seed: asset.seed,
+            units: "m".to_owned(),
+            up: "+Y".to_owned(),
+            bounds: BoundsEntry {
+                min: asset.bounds.min.to_array(),
+                max: asset.bounds.max.to_array(),
+            },
+            levels: levels.collect(),
+            captures: asset.captures,
+            lods: lods.collect(),
+            textures: textures(asset, files),
+            shadows: shadows(asset),
+            files: files.iter().map(file).collect(),
+            warnings: asset.warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    /// Pretty JSON with a final line feed.
+    pub(super) fn to_json(&self) -> Result<Vec<u8>, BuildError> {
+        let mut bytes = serde_json::to_vec_pretty(self)?;
+        bytes.push(b'\n');
+        Ok(bytes)
+    }
+}
+
+fn textures(asset: &TreeAsset, files: &[PackFile]) -> TexturesEntry {
+    let path = |name: &str| format!("textures/{name}.png");
+    let mips = files.iter().map(|f| &f.path).filter(|p| p.starts_with("textures/mips/"));
+    let size = |image: &crate::image::Image<[u8; 4]>| [image.width(), image.height()];
+    TexturesEntry {
+        bark: SurfaceEntry {
+            albedo: path("bark_albedo"),
+            normal: path("bark_normal"),
+            orm: path("bark_orm"),
+            extra: None,
+            size: size(&asset.bark.albedo),
+            mips: Vec::new(),
+        },
+        foliage: SurfaceEntry {
+            albedo: path("foliage_albedo"),
+            normal: path("foliage_normal"),
+            orm: path("foliage_orm"),
+            extra: Some(path("foliage_extra")),
+            size: size(&asset.foliage.albedo),
+            mips: mips.cloned().collect(),
+        },
+    }
+}
+
+fn shadows(asset: &TreeAsset) -> ShadowsEntry {
+    let (_, rects) = asset.shadows.atlas();
+    let maps = asset.shadows.maps.iter().zip(rects).map(|(map, rect)| ShadowMapEntry {
+        direction: map.direction.to_array(),
+        rect: [rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0],
+        trunk_base: map.trunk_base,
+        ground_rect_m: map.ground_rect_m,
+    });
+    ShadowsEntry { file: "textures/shadows.png".to_owned(), maps: maps.collect() }
+}
+
+/// SHA-256 in lower-case hexadecimal.
+pub(super) fn sha256(bytes: &[u8]) -> String {
+    use core::fmt::Write as _;
+    Sha256::digest(bytes).iter().fold(String::with_capacity(64), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}

@@ -1,0 +1,266 @@
+//! The list of stages: from a species and a seed to a finished [`TreeAsset`].
+
+use crate::asset::{AssetLod, Surface, TreeAsset};
+use crate::capture::{self, ALPHA_CUTOFF, BakeError, LeafArtwork, Plan};
+use crate::image::dilate::dilate;
+use crate::image::{Image, Texel, mips};
+use crate::impostor::cross_quad::CrossQuads;
+use crate::lod::{Chain, Selector};
+use crate::math::byte_from_unit;
+use crate::mesh::{Flattener, Mesh, TooLarge};
+use crate::report::{Cancelled, Progress, Warning};
+use crate::shadow::{self, Shadows};
+use crate::species::schema::{LeafLook, Species};
+use crate::texture::{self, BarkTexture, LeafTexture};
+use crate::tree::{self, GrowError, Limits, Tree};
+
+/// What to make of a species.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Seed; the script's own if `None`.
+    pub seed: Option<u64>,
+    /// Triangle budgets, falling; the script's own if `None`.
+    pub budgets: Option<Vec<u64>>,
+    /// True to lead the chain with full detail.
+    pub full: bool,
+    /// How captures are made.
+    pub captures: capture::Settings,
+    /// Edge of the bark texture, texels.
+    pub bark_size: u32,
+    /// How shadows are baked.
+    pub shadows: shadow::Settings,
+    /// How large a tree may be.
+    pub limits: Limits,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            seed: None,
+            budgets: None,
+            full: false,
+            captures: capture::Settings::default(),
+            bark_size: 512,
+            shadows: shadow::Settings::default(),
+            limits: Limits::default(),
+        }
+    }
+}
+
+/// Reads the image files that a script names; the pipeline itself touches no file.
+pub trait ImageFiles: Sync {
+    /// The bytes of a file named in the script.
+    ///
+    /// # Errors
+    /// In words, if there is no such file or it cannot be read.
+    fn read(&self, path: &str) -> Result<Vec<u8>, String>;
+}
+
+/// Why a tree could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum GenerateError {
+    /// The species cannot be grown.
+    #[error(transparent)]
+    Grow(#[from] GrowError),
+    /// An image file named in the script is of no use.
+    #[error("image `{path}`: {reason}")]
+    Image {
+        /// Path as the script has it.
+        path: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Captures could not be made.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// A mesh would be too large.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// No budget asked for got a LOD.
+    #[error("none of the budgets {budgets:?} gives a LOD; the smallest form has {smallest} triangles")]
+    NoLod {
+        /// Budgets asked for.
+        budgets: Vec<u64>,
+        /// Triangles of the smallest form.
+        smallest: u64,
+    },
+    /// Cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Makes a tree: grow, texture, capture, choose LODs, flatten, shadow.
+///
+/// # Errors
+/// See [`GenerateError`]; warnings travel in the asset.
+pub fn generate(
+    species: &Species,
+    settings: &Settings,
+    files: &dyn ImageFiles,
+    progress: &dyn Progress,
+) -> Result<TreeAsset, GenerateError> {
+    let seed = settings.seed.unwrap_or(species.seed);
+    let tree = tree::grow(species, seed, &settings.limits)?;
+    let artwork = artwork(species, seed, files)?;
+    let bark = bark(species, seed, settings.bark_size, files)?;
+    let plan = Plan::of(&tree);
+    let height = species.bark.height_m();
+    let baked = capture::bake(&tree, &plan, &artwork, (&bark, height), &settings.captures, progress)?;
+    let chain = chain(species, settings, &tree)?;
+    let lods = lods(&tree, &chain, &baked.quads, height)?;
+    let mut warnings = baked.warnings;
+    warnings.extend(chain.warnings);
+    let (shadows, warning) = shadows(species, settings, &tree, &baked.atlas, &baked.quads, progress)?;
+    warnings.extend(warning);
+    let mut atlas = baked.atlas;
+    dilate(&mut atlas);
+    Ok(TreeAsset {
+        name: species.name.clone(),
+        latin: species.latin.clone(),
+        slug: species.slug.clone(),
+        seed,
+        captures: plan.captures(),
+        bounds: lods[0].mesh.bounds(),
+        lods,
+        foliage: Surface::of(&atlas),
+        bark: Surface::of(&bark[0]),
+        rects: baked.rects,
+        shadows,
+        warnings,
+        tree,
+    })
+}
+
+/// Leaf kinds with their images read.
+struct Artwork<'a> {
+    species: &'a Species,
+    seed: u64,
+    images: Vec<Option<Image<Texel>>>,
+}
+
+/// Image files of more texels are refused: 8192 x 8192.
+const IMAGE_LIMIT: u64 = 1 << 26;
+
+fn read_image(path: &str, files: &dyn ImageFiles) -> Result<Image<Texel>, GenerateError> {
+    let fault = |reason: String| GenerateError::Image { path: path.to_owned(), reason };
+    let bytes = files.read(path).map_err(fault)?;
+    let image = crate::image::png::decode(&bytes, IMAGE_LIMIT).map_err(fault)?;
+    Ok(texture::texels_from_srgb(&image))
+}
+
+fn artwork<'a>(
+    species: &'a Species,
+    seed: u64,
+    files: &dyn ImageFiles,
+) -> Result<Artwork<'a>, GenerateError> {
+    let image = |kind: &crate::species::schema::LeafKind| match &kind.look {
+        LeafLook::Drawn(_) => Ok(None),
+        LeafLook::Image(path) => read_image(path, files).map(Some),
+    };
+    let images: Result<Vec<_>, GenerateError> = species.leaves.iter().map(image).collect();
+    Ok(Artwork { species, seed, images: images? })
+}
+
+impl LeafArtwork for Artwork<'_> {
+    fn aspect(&self, kind: usize) -> f32 {
+        let kind = &self.species.leaves[kind];
+        kind.width_m / kind.length_m
+    }
+
+    fn draw(&self, kind: usize, width: u32, height: u32) -> Image<Texel> {
+        let leaf = &self.species.leaves[kind];
+        match (&leaf.look, &self.images[kind]) {
+            (LeafLook::Drawn(art), _) => LeafTexture::draw(leaf, art, self.seed, width, height),
+            (LeafLook::Image(_), Some(image)) => texture::resized(image, width, height),
+            (LeafLook::Image(_), None) => Image::filled(width, height, Texel::EMPTY),
+        }
+    }
+
+    fn kinds(&self) -> usize {
+        self.species.leaves.len()
+    }
+}
+
+/// The bark texture as mips; its size is kept whatever the image file's.
+fn bark(
+    species: &Species,
+    seed: u64,
+    size: u32,
+    files: &dyn ImageFiles,
+) -> Result<Vec<Image<Texel>>, GenerateError> {
+    use crate::species::schema::Bark;
+    let base = match &species.bark {
+        Bark::Drawn(art) => BarkTexture::draw(art, seed, size),
+        Bark::Image { path, .. } => texture::resized(&read_image(path, files)?, size, size),
+    };
+    Ok(mips::chain(base, 10, ALPHA_CUTOFF))
+}
+
+fn chain(species: &Species, settings: &Settings, tree: &Tree) -> Result<Chain, GenerateError> {
+    let budgets = settings.budgets.as_deref().unwrap_or(&species.lod.budgets);
+    let selector = Selector::new(tree, &species.lod);
+    let chain = selector.chain(budgets, settings.full);
+    if chain.lods.is_empty() {
+        return Err(GenerateError::NoLod {
+            budgets: budgets.to_vec(),
+            smallest: selector.smallest_triangles(),
+        });
+    }
+    Ok(chain)
+}
+
+fn lods(tree: &Tree, chain: &Chain, quads: &CrossQuads, height: f32) -> Result<Vec<AssetLod>, TooLarge> {
+    let lod = |lod: &crate::lod::ChainLod| {
+        let form = quads.form(tree, &lod.state, height);
+        Ok(AssetLod {
+            budget: lod.budget,
+            state: lod.state.describe(tree),
+            triangles: lod.triangles,
+            error_m: lod.error_m,
+            screen_size: lod.screen_size,
+            mesh: Flattener::new(tree, &form).tree()?,
+        })
+    };
+    chain.lods.iter().map(lod).collect()
+}
+
+/// Triangles that the shadows are cast by at most: more would not show in a soft shadow.
+const SHADOW_TRIANGLES: u64 = 60_000;
+
+/// The shadows, from the finest form that is not wastefully fine.
+fn shadows(
+    species: &Species,
+    settings: &Settings,
+    tree: &Tree,
+    atlas: &Image<Texel>,
+    quads: &CrossQuads,
+    progress: &dyn Progress,
+) -> Result<(Shadows, Option<Warning>), GenerateError> {
+    let selector = Selector::new(tree, &species.lod);
+    let mesh = caster(species, tree, quads, &selector)?;
+    let (triangles, used) = (selector.full_triangles(), mesh.triangles());
+    let alpha = atlas.map(|t| byte_from_unit(t.alpha));
+    let cutoff = byte_from_unit(ALPHA_CUTOFF);
+    let shadows = shadow::bake(&mesh, &alpha, cutoff, &settings.shadows, progress)?;
+    // Coarser branches alone cannot be told apart in a shadow; fewer leaves can.
+    let warning = (mesh.foliage.triangles() < leaf_triangles(tree))
+        .then_some(Warning::ShadowsSimplified { triangles, used });
+    Ok((shadows, warning))
+}
+
+fn leaf_triangles(tree: &Tree) -> u64 {
+    crate::lod::Counts::of(tree, 1).triangles(tree, &crate::lod::State::full(tree)).foliage
+}
+
+/// The mesh that casts the shadows.
+fn caster(
+    species: &Species,
+    tree: &Tree,
+    quads: &CrossQuads,
+    selector: &Selector,
+) -> Result<Mesh, TooLarge> {
+    let chain = selector.chain(&[SHADOW_TRIANGLES], false);
+    let state = chain.lods.first().map_or_else(|| crate::lod::State::full(tree), |l| l.state.clone());
+    let form = quads.form(tree, &state, species.bark.height_m());
+    Flattener::new(tree, &form).tree()
+}
