@@ -9,4 +9,5 @@ pub mod math;
 pub mod mesh;
 pub mod report;
 pub mod rng;
+pub mod shadow;
 pub mod species;
