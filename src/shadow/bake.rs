@@ -207,3 +207,329 @@ fn shifts(samples: &[Sample]) -> Vec<Vec2> {
     let mean: Vec2 = pairs.map(|(&shift, sample)| shift * sample.weight).sum();
     raw.into_iter().map(|shift| shift - mean).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::TAU;
+    use crate::mesh::{Primitive, Vertex};
+    use crate::report::Quiet;
+
+    fn vertex(point: Vec3, uv: [f32; 2]) -> Vertex {
+        Vertex {
+            position: point.to_array(),
+            normal: [0.0, 1.0, 0.0],
+            tangent: [1.0, 0.0, 0.0, 1.0],
+            uv,
+        }
+    }
+
+    fn card(primitive: &mut Primitive, centre: Vec3, across: Vec3, down: Vec3) {
+        let first = u32::try_from(primitive.vertices.len()).unwrap();
+        for (u, v) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+            let point = centre + across * (u - 0.5) + down * (v - 0.5);
+            primitive.vertices.push(vertex(point, [u, v]));
+        }
+        primitive
+            .indices
+            .extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
+    }
+
+    /// A level square of 1 m, at a height of 2 m above the point (1, 0).
+    fn square() -> Mesh {
+        let mut mesh = Mesh::default();
+        card(
+            &mut mesh.foliage,
+            Vec3::new(1.0, 2.0, 0.0),
+            Vec3::X,
+            Vec3::Z,
+        );
+        mesh
+    }
+
+    /// A tapered post of 2 m with a ball of cards on top.
+    fn little_tree() -> Mesh {
+        let mut mesh = Mesh::default();
+        for side in 0..6_u8 {
+            let rim = |side: u8, radius: f32, height: f32| {
+                let (sin, cos) = libm::sincosf(f32::from(side) * TAU / 6.0);
+                vertex(Vec3::new(cos * radius, height, sin * radius), [0.0; 2])
+            };
+            let first = u32::try_from(mesh.bark.vertices.len()).unwrap();
+            let foot = [rim(side, 0.15, 0.0), rim(side + 1, 0.15, 0.0)];
+            mesh.bark.vertices.extend(foot);
+            mesh.bark.vertices.push(rim(0, 0.0, 2.0));
+            mesh.bark.indices.extend([0, 1, 2].map(|i| first + i));
+        }
+        for index in 0..300_u16 {
+            let up = (f32::from(index) + 0.5) / 150.0 - 1.0;
+            let (sin, cos) = libm::sincosf(f32::from(index) * 2.4);
+            let out = (1.0 - up * up).sqrt();
+            let normal = Vec3::new(cos * out, up, sin * out);
+            let (across, down) = normal.any_orthonormal_pair();
+            let centre = normal * 0.8 + Vec3::Y * 2.2;
+            card(&mut mesh.foliage, centre, across * 0.2, down * 0.2);
+        }
+        mesh
+    }
+
+    fn opaque() -> Image<u8> {
+        Image::filled(4, 4, 255)
+    }
+
+    fn baked(mesh: &Mesh, settings: &Settings) -> Shadows {
+        bake(mesh, &opaque(), 128, settings, &Quiet).unwrap()
+    }
+
+    fn hard(size: u32) -> Settings {
+        Settings {
+            size,
+            bands: 0,
+            ..Settings::default()
+        }
+    }
+
+    /// Area in shadow, square metres, and its middle on the ground.
+    fn mass(map: &ShadowMap) -> (f32, Vec2) {
+        let [x0, z0, x1, z1] = map.ground_rect_m;
+        let size = map.image.width() as f32;
+        let texel = Vec2::new(x1 - x0, z1 - z0) / size;
+        let image = map.image_without_code();
+        let mut total = 0.0;
+        let mut moment = Vec2::ZERO;
+        for y in 0..map.image.height() {
+            for x in 0..map.image.width() {
+                let share = f32::from(*image.at(x, y)) / 255.0;
+                let place = Vec2::new(x0, z0) + Vec2::new(x as f32 + 0.5, y as f32 + 0.5) * texel;
+                total += share;
+                moment += place * share;
+            }
+        }
+        (total * texel.x * texel.y, moment / total)
+    }
+
+    #[test]
+    fn a_level_square_casts_itself_under_the_zenith_and_is_shifted_away_from_a_low_light() {
+        let shadows = baked(&square(), &hard(256));
+        for (index, middle) in [(0, (1.0, 0.0)), (1, (-1.0, 0.0)), (3, (1.0, -2.0))] {
+            let map = &shadows.maps[index];
+            let [x0, z0, x1, z1] = map.ground_rect_m;
+            let texel = Vec2::new(x1 - x0, z1 - z0) / 256.0;
+            let image = map.image_without_code();
+            for y in 0..256 {
+                for x in 0..256 {
+                    let place =
+                        Vec2::new(x0, z0) + Vec2::new(x as f32 + 0.5, y as f32 + 0.5) * texel;
+                    let off = (place - Vec2::new(middle.0, middle.1)).abs() - 0.5;
+                    // The texel on the outline may go either way.
+                    if (off / texel).max_element().abs() > 0.6 || off.max_element() > 0.1 {
+                        let shade = *image.at(x, y);
+                        assert_eq!(shade == 255, off.max_element() < 0.0, "{index}: {place}");
+                        assert!(shade == 0 || shade == 255);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn softness_moves_shadow_about_but_neither_adds_nor_takes_any() {
+        for bands in [0, 1, 3] {
+            let settings = Settings {
+                bands,
+                ..Settings::default()
+            };
+            for map in &baked(&square(), &settings).maps {
+                let (area, middle) = mass(map);
+                assert!((area - 1.0).abs() < 0.02, "{bands} bands: {area} m2");
+                let to_light = map.direction;
+                let expected =
+                    Vec2::new(1.0, 0.0) - Vec2::new(to_light.x, to_light.z) * (2.0 / to_light.y);
+                // A cone of light is cut by the ground a little off its axis.
+                assert!(
+                    (middle - expected).length() < 0.03,
+                    "{bands} bands: {middle}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn more_bands_make_a_smoother_edge() {
+        let steepest = |bands: u32| {
+            let settings = Settings {
+                bands,
+                samples: 16,
+                ..Settings::default()
+            };
+            let map = &baked(&square(), &settings).maps[1];
+            let image = map.image_without_code();
+            let row: Vec<u8> = (0..256)
+                .map(|x| *image.at(x, u32::from(map.trunk_base[1])))
+                .collect();
+            let steps = row.windows(2).map(|pair| pair[0].abs_diff(pair[1]));
+            steps.max().unwrap_or(0)
+        };
+        let steps = [0, 1, 3, 8].map(steepest);
+        assert!(steps.windows(2).all(|pair| pair[1] < pair[0]), "{steps:?}");
+        assert_eq!(steps[0], 255);
+        assert!(steps[3] < 40, "{steps:?}");
+    }
+
+    #[test]
+    fn one_thread_and_two_give_the_same_bytes() {
+        let settings = Settings {
+            size: 64,
+            ..Settings::default()
+        };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build()
+                .unwrap()
+                .install(|| baked(&little_tree(), &settings))
+        };
+        assert_eq!(on(1), on(2));
+    }
+
+    #[test]
+    fn an_empty_mesh_is_lit_everywhere() {
+        for map in baked(&Mesh::default(), &Settings::default()).maps {
+            assert_eq!((map.image.width(), map.image.height()), (256, 256));
+            assert!(map.image_without_code().texels().iter().all(|&t| t == 0));
+            let [x0, z0, x1, z1] = map.ground_rect_m;
+            assert!(x0 < 0.0 && z0 < 0.0 && x1 > 0.0 && z1 > 0.0);
+            assert!((0.9..1.2).contains(&(x1 - x0)));
+        }
+    }
+
+    #[test]
+    fn the_first_four_bytes_tell_the_texel_whose_centre_is_the_origin() {
+        for map in baked(&little_tree(), &hard(300)).maps {
+            let code = &map.image.texels()[..4];
+            let told = [[code[0], code[1]], [code[2], code[3]]].map(u16::from_le_bytes);
+            assert_eq!(told, map.trunk_base);
+            let [x0, z0, x1, z1] = map.ground_rect_m;
+            let texel = Vec2::new(x1 - x0, z1 - z0) / 300.0;
+            let centre = Vec2::from(map.trunk_base.map(f32::from)) + 0.5;
+            assert!((Vec2::new(x0, z0) + centre * texel).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_trunk_joins_its_shadow_and_two_texels_around_are_lit() {
+        for size in [16, 64, 257] {
+            let settings = Settings {
+                size,
+                ..Settings::default()
+            };
+            for map in baked(&little_tree(), &settings).maps {
+                let [x, y] = map.trunk_base.map(u32::from);
+                if size > 16 {
+                    assert_eq!(*map.image.at(x, y), 255, "{}", map.direction);
+                }
+                let image = map.image_without_code();
+                let border = |i: u32| i < 2 || i >= size - 2;
+                for (place, &shade) in (0..).zip(image.texels()) {
+                    assert!(shade == 0 || !border(place % size) && !border(place / size));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn foliage_finer_than_a_texel_casts_its_mean_coverage() {
+        // One texel in four is leaf, in a texture with far more texels than the shadow.
+        let mut alpha = Image::filled(512, 512, 0);
+        for place in 0..256 * 256 {
+            *alpha.at_mut(place % 256 * 2, place / 256 * 2) = 255;
+        }
+        for bands in [1, 3] {
+            let settings = Settings {
+                size: 64,
+                bands,
+                ..Settings::default()
+            };
+            let shadows = bake(&square(), &alpha, 128, &settings, &Quiet).unwrap();
+            for map in &shadows.maps {
+                let (area, _) = mass(map);
+                assert!((area - 0.25).abs() < 0.04, "{area}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_below_ground_or_broken_casts_nothing() {
+        let mut mesh = Mesh::default();
+        card(&mut mesh.bark, Vec3::new(0.0, -0.5, 0.0), Vec3::X, Vec3::Z);
+        card(
+            &mut mesh.foliage,
+            Vec3::new(f32::NAN, 1.0, 0.0),
+            Vec3::X,
+            Vec3::Z,
+        );
+        mesh.bark.indices.extend([0, 1, 77]);
+        let empty = baked(&Mesh::default(), &Settings::default());
+        assert_eq!(baked(&mesh, &Settings::default()), empty);
+    }
+
+    #[test]
+    fn wild_settings_are_taken_as_the_nearest_in_range() {
+        let wild = Settings {
+            size: 0,
+            bands: 0,
+            samples: 0,
+            spread_deg: f32::NAN,
+        };
+        assert_eq!(baked(&square(), &wild), baked(&square(), &hard(16)));
+    }
+
+    #[test]
+    fn cancelling_ends_the_work() {
+        struct Never;
+        impl Progress for Never {
+            fn begin(&self, _stage: &'static str, _steps: u64) {}
+            fn step(&self) {}
+            fn cancelled(&self) -> bool {
+                true
+            }
+        }
+        let result = bake(&square(), &opaque(), 128, &Settings::default(), &Never);
+        assert_eq!(result, Err(Cancelled));
+    }
+
+    #[test]
+    fn the_atlas_holds_every_map_in_index_order() {
+        let shadows = baked(&little_tree(), &hard(32));
+        let (atlas, rects) = shadows.atlas();
+        assert_eq!((atlas.width(), atlas.height()), (96, 96));
+        for (map, rect) in shadows.maps.iter().zip(rects) {
+            for y in 0..32 {
+                for x in 0..32 {
+                    assert_eq!(atlas.at(rect.x0 + x, rect.y0 + y), map.image.at(x, y));
+                }
+            }
+        }
+        assert_eq!((rects[4].x0, rects[4].y0, rects[5].x0), (32, 32, 64));
+    }
+
+    #[test]
+    fn a_little_tree_lit_from_plus_x_throws_its_crown_toward_minus_x() {
+        let settings = Settings {
+            size: 32,
+            ..Settings::default()
+        };
+        let map = &baked(&little_tree(), &settings).maps[1];
+        let image = map.image_without_code();
+        let ink = |shade: &u8| char::from(b" .:-=+*#%@"[usize::from(*shade) * 10 / 256]);
+        let rows = image.texels().chunks(32);
+        let drawn: Vec<String> = rows.map(|row| row.iter().map(ink).collect()).collect();
+        let drawn = drawn
+            .iter()
+            .map(|row| row.trim_end())
+            .collect::<Vec<_>>()
+            .join("\n");
+        assert_eq!(drawn.trim_matches('\n'), GOLDEN_TREE, "\n{drawn}");
+    }
+
+    const GOLDEN_TREE: &str = "";
+}
