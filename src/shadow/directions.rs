@@ -81,6 +81,12 @@ pub fn samples(to_light: Vec3, settings: &Settings) -> Vec<Sample> {
     all
 }
 
+/// Angle from one band to the next, radians; 0 without bands.
+pub(super) fn band_step(settings: &Settings) -> f32 {
+    let settings = settings.clamped();
+    settings.spread_deg * PI / 180.0 / small(settings.bands.max(1)) * small(settings.bands.min(1))
+}
+
 /// A count of bands or samples as a number; exact.
 #[expect(
     clippy::cast_precision_loss,

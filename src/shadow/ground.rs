@@ -36,6 +36,8 @@ pub(super) struct Leaf {
     pub(super) uv_area: f32,
     /// Smallest mip on which the triangle is still told from its neighbours in the atlas.
     pub(super) last_level: i32,
+    /// Random number of the connected piece of foliage that it belongs to.
+    pub(super) key: u32,
 }
 
 impl Casters {
@@ -45,12 +47,16 @@ impl Casters {
         let vertices = mesh.bark.vertices.iter().chain(&mesh.foliage.vertices);
         let points = vertices.map(|v| [v.position[0], v.position[1].max(0.0), v.position[2]]);
         // Above 2^32 vertices no index of 32 bits could tell them anyway.
+        let pieces = pieces(&mesh.foliage);
         let offset = u32::try_from(mesh.bark.vertices.len()).unwrap_or(u32::MAX);
         Self {
             points: points.collect(),
             bark: standing(&mesh.bark).collect(),
             leaves: standing(&mesh.foliage)
-                .map(|corners| leaf(&mesh.foliage, corners, offset, coverage))
+                .map(|corners| Leaf {
+                    key: mix(pieces[corners[0] as usize]),
+                    ..leaf(&mesh.foliage, corners, offset, coverage)
+                })
                 .collect(),
         }
     }
@@ -89,6 +95,63 @@ fn leaf(primitive: &Primitive, corners: [u32; 3], offset: u32, coverage: &Covera
         uv_area: (b - a).perp_dot(c - a).abs(),
         // Two texels along the shorter side blend the least with what lies beside in the atlas.
         last_level: (floor_log2(size.min_element()) - 1).clamp(0, levels - 1),
+        key: 0,
+    }
+}
+
+/// For every vertex, one vertex of the connected piece that it belongs to, the same for all of it.
+fn pieces(primitive: &Primitive) -> Vec<u32> {
+    let count = u32::try_from(primitive.vertices.len()).unwrap_or(u32::MAX);
+    let mut parents: Vec<u32> = (0..count).collect();
+    for [a, b, c] in standing(primitive) {
+        let root = root(&mut parents, a);
+        for other in [b, c] {
+            let other = self::root(&mut parents, other);
+            parents[other as usize] = root;
+        }
+    }
+    (0..count).map(|i| root(&mut parents, i)).collect()
+}
+
+fn root(parents: &mut [u32], mut place: u32) -> u32 {
+    while parents[place as usize] != place {
+        let parent = parents[place as usize];
+        parents[place as usize] = parents[parent as usize];
+        place = parent;
+    }
+    place
+}
+
+/// A number that looks random and differs between different inputs.
+fn mix(x: u32) -> u32 {
+    let x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// How far from the samples' lights each piece of foliage may stray.
+pub(super) struct Stray {
+    along: Vec2,
+    across: Vec2,
+}
+
+impl Stray {
+    /// The stray of a piece in one sample: change of the shadow's place, texels for a metre of
+    /// height. Two samples after each other have opposite strays, so that a piece stays in place.
+    #[inline]
+    pub(super) fn of(&self, key: u32, sample: usize) -> Vec2 {
+        /// Halves are 2^16 over the plastic number's powers: points that fill a square evenly.
+        const STEP: u32 = 0xc13f_91e1;
+        #[expect(clippy::cast_possible_truncation, reason = "at most 64 * 256 samples")]
+        let pair = sample.div_ceil(2) as u32;
+        let [a, b, c, d] = key.wrapping_add(pair.wrapping_mul(STEP)).to_le_bytes();
+        let part = |bits| (f32::from(u16::from_le_bytes(bits)) + 0.5) / 65_536.0 - 0.5;
+        let stray = self.along * part([a, b]) + self.across * part([c, d]);
+        if sample.is_multiple_of(2) {
+            stray
+        } else {
+            -stray
+        }
     }
 }
 
@@ -113,8 +176,8 @@ pub(super) struct Ground {
 
 impl Ground {
     /// Holds the shadows of all samples and the origin, with a lit border.
-    pub(super) fn around(casters: &Casters, samples: &[Sample], size: u32) -> Self {
-        let (low, high) = extent(casters, samples);
+    pub(super) fn around(casters: &Casters, samples: &[Sample], step: f32, size: u32) -> Self {
+        let (low, high) = extent(casters, samples, step);
         let longest = (high - low).max_element();
         let least = if longest > 1e-6 {
             longest * LEAST_ASPECT
@@ -147,6 +210,12 @@ impl Ground {
         [self.low_m.x, self.low_m.y, high.x, high.y]
     }
 
+    /// The freedom of foliage around the samples of a light, when bands are `step` radians apart.
+    pub(super) fn stray(&self, light: &Sample, step: f32) -> Stray {
+        let [along, across] = tangents(light, step).map(|tangent| tangent / self.texel_m);
+        Stray { along, across }
+    }
+
     /// Where each point's shadow falls, texels, in the light of `sample` on a grid shifted by
     /// `shift` texels.
     pub(super) fn project(
@@ -174,12 +243,27 @@ fn lean(sample: &Sample) -> Vec2 {
     Vec2::new(sample.to_light.x, sample.to_light.z) / sample.to_light.y
 }
 
+/// Changes of the lean when the light turns by `step` radians, along two directions square to it
+/// and to each other.
+fn tangents(sample: &Sample, step: f32) -> [Vec2; 2] {
+    let (a, b) = sample.to_light.any_orthonormal_pair();
+    [a, b].map(|side| {
+        let level = Vec2::new(side.x, side.z);
+        (level - lean(sample) * side.y) * (step / sample.to_light.y)
+    })
+}
+
 /// The corners, X and Z, of what the shadows of all samples cover together with the origin.
-fn extent(casters: &Casters, samples: &[Sample]) -> (Vec2, Vec2) {
+fn extent(casters: &Casters, samples: &[Sample], step: f32) -> (Vec2, Vec2) {
     // A point's shadow is linear in the lean, so that its extremes are those of the lean.
-    let leans = || samples.iter().map(lean);
-    let least = leans().reduce(Vec2::min).unwrap_or(Vec2::ZERO);
-    let most = leans().reduce(Vec2::max).unwrap_or(Vec2::ZERO);
+    let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    let stray = samples
+        .first()
+        .map_or([Vec2::ZERO; 2], |light| tangents(light, step));
+    let stray = (stray[0].abs() + stray[1].abs()) * 0.5;
+    for lean in samples.iter().map(lean) {
+        (least, most) = (least.min(lean - stray), most.max(lean + stray));
+    }
     let whole = (Vec2::ZERO, Vec2::ZERO);
     casters.corners().fold(whole, |(low, high), [x, y, z]| {
         let foot = Vec2::new(x, z);

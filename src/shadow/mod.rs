@@ -11,6 +11,9 @@
 //! - A leaf texel that covers a part of a map texel is drawn in that part of the samples, by a
 //!   threshold that differs from triangle to triangle. A fixed threshold on a mip would erase
 //!   airy foliage, and fatten dense foliage.
+//! - Every connected piece of foliage strays from each sample's light by its own part of the
+//!   distance between bands, at most half of it to either side. Without it the outline of a dense
+//!   crown repeats once a sample, and a few bands show as terraces. Bark does not stray.
 //! - The paper names no weights; ours are in [`samples`] (within one light) and [`weights`]
 //!   (between the nine).
 //! - Triangles wholly below the ground cast nothing; points below it count as points on it.
@@ -47,7 +50,8 @@ pub struct Settings {
     /// time; too few show as separate copies of the trunk far from its base.
     pub samples: u32,
     /// Angular radius of the outermost band, degrees, 0..=30. Higher: a wider, softer edge. The
-    /// real sun's is 0.27; several degrees stand for the bright sky around it.
+    /// real sun's is 0.27; several degrees stand for the bright sky around it. Foliage
+    /// strays half a band further.
     pub spread_deg: f32,
 }
 
