@@ -4,7 +4,7 @@
 use divan::{Bencher, black_box};
 use pleach::image::Image;
 use pleach::image::scan::{Clip, triangle};
-use pleach::math::{TAU, Vec2, Vec3};
+use pleach::math::{TAU, Vec2, Vec3, floor_to_u32};
 use pleach::mesh::{Mesh, Primitive, Vertex};
 use pleach::report::Quiet;
 use pleach::shadow::{COUNT, Settings, bake, direction, samples};
@@ -81,7 +81,7 @@ fn plainly(
                 triangle(shadow, clip, |x, y, b| {
                     let at = |axis: usize| {
                         let mix: f32 = (0..3).map(|i| corners[i].uv[axis] * b[i]).sum();
-                        (mix * alpha.width() as f32).min(alpha.width() as f32 - 1.0) as u32
+                        floor_to_u32(mix * alpha.width() as f32).min(alpha.width() - 1)
                     };
                     *mask.at_mut(x, y) |= solid || *alpha.at(at(0), at(1)) >= 128;
                 });
@@ -97,7 +97,7 @@ fn plainly(
 /// A leaf's outline: an ellipse that touches the image's edges.
 fn ellipse(size: u32) -> Image<u8> {
     let centred = |i: u32| (i as f32 + 0.5) / size as f32 * 2.0 - 1.0;
-    let inside = |i| centred(i % size).powi(2) + centred(i / size).powi(2) < 1.0;
+    let inside = |i| Vec2::new(centred(i % size), centred(i / size)).length_squared() < 1.0;
     let texels = (0..size * size).map(|i| if inside(i) { 255 } else { 0 });
     Image::from_texels(size, size, texels.collect())
 }
@@ -142,7 +142,7 @@ fn tree(cards: u32) -> Mesh {
 }
 
 fn card(foliage: &mut Primitive, centre: Vec3, half_long: Vec3, half_wide: Vec3) {
-    let first = foliage.vertices.len() as u32;
+    let first = u32::try_from(foliage.vertices.len()).expect("few cards");
     for (u, v) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
         let point = centre + half_long * (u * 2.0 - 1.0) + half_wide * (v * 2.0 - 1.0);
         foliage.vertices.push(vertex(point, [u, v]));
