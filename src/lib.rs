@@ -12,6 +12,7 @@ pub mod math;
 pub mod mesh;
 pub mod report;
 pub mod rng;
+pub mod shadow;
 pub mod species;
 pub mod spline;
 pub mod tree;
