@@ -1,0 +1,244 @@
+//! Pictures of an asset, drawn by the CPU rasteriser: a pack's preview and LOD strips.
+//!
+//! Orthographic, one sun, sky light dimmed by a density grid of the crown, a ground that receives the nine
+//! baked shadows. Meant to show the shapes and textures honestly, not to be a renderer.
+
+use crate::asset::{Surface, TreeAsset};
+use crate::capture::{ALPHA_CUTOFF, Occlusion, Textures, View, Visibility};
+use crate::image::{Image, Texel, mips};
+use crate::math::{Bounds, Vec2, Vec3, float, lerp, linear_from_srgb, smoothstep, srgb_from_linear};
+use crate::shadow;
+use rayon::prelude::*;
+
+/// How a picture is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// Which LOD; the coarsest if there are not so many.
+    pub lod: usize,
+    /// Turn of the camera about the tree, radians; 0 looks along -Z.
+    pub azimuth: f32,
+    /// Height of the camera above the horizon, radians.
+    pub elevation: f32,
+    /// Vector toward the sun.
+    pub sun: Vec3,
+    /// Samples along each edge of a pixel.
+    pub supersample: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            size: [512, 640],
+            lod: 0,
+            azimuth: 0.6,
+            elevation: 0.16,
+            sun: Vec3::new(0.75, 1.0, 0.45),
+            supersample: 2,
+        }
+    }
+}
+
+/// Linear colours of the set.
+const SUN: Vec3 = Vec3::new(3.1, 2.9, 2.55);
+const SKY: Vec3 = Vec3::new(0.62, 0.74, 0.95);
+const GROUND_LIGHT: Vec3 = Vec3::new(0.26, 0.24, 0.19);
+const GROUND: Vec3 = Vec3::new(0.33, 0.31, 0.26);
+const BACKDROP: [Vec3; 2] = [Vec3::new(0.52, 0.60, 0.68), Vec3::new(0.80, 0.81, 0.79)];
+
+/// Cells of the grid that shades the crown from the sun.
+const SHADE_CELLS: u32 = 40;
+
+/// One picture of one LOD, framed around the tree's bounds.
+#[must_use]
+pub fn picture(asset: &TreeAsset, settings: &Settings) -> Image<[u8; 3]> {
+    let stage = Stage::new(asset, settings);
+    stage.draw(&stage.frame(&asset.bounds))
+}
+
+/// All LODs side by side under the same camera, the finest on the left.
+#[must_use]
+pub fn strip(asset: &TreeAsset, settings: &Settings) -> Image<[u8; 3]> {
+    let pictures: Vec<Image<[u8; 3]>> =
+        (0..asset.lods.len()).map(|lod| picture(asset, &Settings { lod, ..*settings })).collect();
+    side_by_side(&pictures)
+}
+
+/// Joins pictures of one height into one.
+#[must_use]
+pub fn side_by_side(pictures: &[Image<[u8; 3]>]) -> Image<[u8; 3]> {
+    let height = pictures.iter().map(Image::height).min().unwrap_or(0);
+    let width = pictures.iter().map(Image::width).sum();
+    let mut texels = Vec::with_capacity(width as usize * height as usize);
+    for y in 0..height {
+        for picture in pictures {
+            let row = y as usize * picture.width() as usize;
+            texels.extend_from_slice(&picture.texels()[row..row + picture.width() as usize]);
+        }
+    }
+    Image::from_texels(width, height, texels)
+}
+
+/// What all pixels of a picture need.
+struct Stage<'a> {
+    asset: &'a TreeAsset,
+    settings: &'a Settings,
+    foliage: Vec<Image<Texel>>,
+    bark: Vec<Image<Texel>>,
+    shade: Occlusion,
+    sun: Vec3,
+    shadow_weights: [(usize, f32); 3],
+}
+
+impl<'a> Stage<'a> {
+    fn new(asset: &'a TreeAsset, settings: &'a Settings) -> Self {
+        let mesh = &asset.lods[settings.lod.min(asset.lods.len() - 1)].mesh;
+        // The finest LOD shades all of them, so that a strip compares shapes and not light.
+        let mut shade = Occlusion::of(&asset.lods[0].mesh);
+        shade.refine(&asset.lods[0].mesh, SHADE_CELLS);
+        let sun = settings.sun.normalize_or(Vec3::Y);
+        debug_assert!(!mesh.bounds().is_empty(), "a LOD draws something");
+        Self {
+            asset,
+            settings,
+            foliage: mips::chain(asset.foliage.texels(), 5, ALPHA_CUTOFF),
+            bark: mips::chain(asset.bark.texels(), 10, ALPHA_CUTOFF),
+            shade,
+            sun,
+            shadow_weights: shadow::weights(sun),
+        }
+    }
+
+    fn frame(&self, bounds: &Bounds) -> View {
+        let Settings { size: [width, height], azimuth, elevation, supersample, .. } = *self.settings;
+        let (sine, cosine) = libm::sincosf(azimuth);
+        let (lift, level) = libm::sincosf(elevation);
+        let right = Vec3::new(cosine, 0.0, -sine);
+        let toward = Vec3::new(sine * level, lift, cosine * level);
+        let up = toward.cross(right);
+        let corners = bounds.corners().map(|c| c - bounds.centre());
+        let reach = |axis: Vec3| corners.iter().map(|c| c.dot(axis).abs()).fold(0.0, f32::max);
+        let aspect = float(width) / float(height);
+        // A little air around the tree.
+        let half_height = (reach(up) * 1.06).max(reach(right) * 1.06 / aspect);
+        View {
+            centre: bounds.centre(),
+            right,
+            up,
+            half: [half_height * aspect, half_height],
+            width: width * supersample,
+            height: height * supersample,
+        }
+    }
+
+    fn draw(&self, view: &View) -> Image<[u8; 3]> {
+        let mesh = &self.asset.lods[self.settings.lod.min(self.asset.lods.len() - 1)].mesh;
+        let textures = Textures { bark: &self.bark, foliage: &self.foliage };
+        let seen = Visibility::draw(mesh, textures, view);
+        let n = self.settings.supersample;
+        let [width, height] = self.settings.size;
+        let pixel = |x: u32, y: u32| {
+            let mut sum = Vec3::ZERO;
+            for (sx, sy) in (0..n).flat_map(|j| (0..n).map(move |i| (x * n + i, y * n + j))) {
+                let sample = Vec2::new(float(sx) + 0.5, float(sy) + 0.5);
+                let light = match seen.surface(sx, sy, mesh, textures, view) {
+                    Some(texel) => self.lit(&texel, view.unproject(sample, texel.depth), view),
+                    None => self.backdrop(sample, view),
+                };
+                sum += tone_mapped(light);
+            }
+            (sum / float(n * n)).to_array().map(srgb_from_linear)
+        };
+        let row = |y: u32| (0..width).map(move |x| pixel(x, y));
+        Image::from_texels(width, height, (0..height).into_par_iter().flat_map_iter(row).collect())
+    }
+
+    fn lit(&self, texel: &Texel, point: Vec3, view: &View) -> Vec3 {
+        let [x, y, z] = texel.normal;
+        let normal = view.right * x + view.up * y + view.toward() * z;
+        let facing = normal.dot(self.sun);
+        let open = self.shade.open(point);
+        let sun = self.shade.transmittance(point, self.sun);
+        let front = facing.max(0.0);
+        let through = texel.translucency * (-facing).max(0.0);
+        let sky = lerp(0.0, 1.0, normal.y * 0.5 + 0.5);
+        let ambient = (SKY * sky + GROUND_LIGHT * (1.0 - sky)) * texel.occlusion * open;
+        Vec3::from(texel.albedo) * (SUN * sun * (front + through) + ambient)
+    }
+
+    /// The ground, fading into a plain backdrop away from the tree.
+    fn backdrop(&self, sample: Vec2, view: &View) -> Vec3 {
+        let at = view.unproject(sample, 0.0);
+        let toward = view.toward();
+        let backdrop = BACKDROP[0].lerp(BACKDROP[1], sample.y / float(view.height));
+        let down = at.y / toward.y.max(1e-3);
+        let ground = at - toward * down;
+        let reach = view.half[0].max(view.half[1]);
+        let away = libm::hypotf(ground.x, ground.z);
+        let near = 1.0 - smoothstep(0.35 * reach, 1.7 * reach, away);
+        let shadow: f32 =
+            self.shadow_weights.iter().map(|&(map, weight)| weight * self.shadow_at(map, ground)).sum();
+        let lit = GROUND * (SUN * self.sun.y * (1.0 - shadow) + SKY * (1.0 - 0.4 * shadow));
+        backdrop.lerp(lit, near)
+    }
+
+    /// One baked shadow at a point of the ground, 0..=1, between texels.
+    fn shadow_at(&self, map: usize, ground: Vec3) -> f32 {
+        let map = &self.asset.shadows.maps[map];
+        let [x0, z0, x1, z1] = map.ground_rect_m;
+        let (width, height) = (map.image.width(), map.image.height());
+        let u = (ground.x - x0) / (x1 - x0) * float(width) - 0.5;
+        let v = (ground.z - z0) / (z1 - z0) * float(height) - 0.5;
+        let texel = |x: f32, y: f32| {
+            // The first row is empty by contract, and holds the code of the trunk base.
+            if x < 0.0 || y < 1.0 || x >= float(width) || y >= float(height) {
+                return 0.0;
+            }
+            let at = map.image.at(crate::math::floor_to_u32(x), crate::math::floor_to_u32(y));
+            f32::from(*at) / 255.0
+        };
+        let (x, y) = (u.floor(), v.floor());
+        let top = lerp(texel(x, y), texel(x + 1.0, y), u - x);
+        let bottom = lerp(texel(x, y + 1.0), texel(x + 1.0, y + 1.0), u - x);
+        lerp(top, bottom, v - y)
+    }
+}
+
+/// Soft shoulder, as a fit of a film curve (Hejl and Burgess-Dawson's form is steeper in the shadows).
+fn tone_mapped(light: Vec3) -> Vec3 {
+    let x = light * 0.85;
+    (x * (x * 0.22 + 1.0)) / (x * (x * 0.25 + 1.0) + 0.35) * 1.04
+}
+
+impl Surface {
+    /// The texels that the bytes stand for.
+    #[must_use]
+    pub fn texels(&self) -> Image<Texel> {
+        let linear: Vec<f32> = (0..=255).map(linear_from_srgb).collect();
+        let unit = |byte: u8| f32::from(byte) / 255.0;
+        let texels = self.albedo.texels().par_iter().enumerate().map(|(i, &[r, g, b, a])| {
+            let [nx, ny, nz] = self.normal.texels()[i].map(|n| unit(n) * 2.0 - 1.0);
+            let [occlusion, roughness, _] = self.orm.texels()[i].map(unit);
+            let [translucency, depth, _] = self.extra.texels()[i].map(unit);
+            Texel {
+                albedo: [r, g, b].map(|c| linear[usize::from(c)]),
+                alpha: unit(a),
+                normal: Vec3::new(nx, ny, nz).normalize_or(Vec3::Z).to_array(),
+                occlusion,
+                roughness,
+                translucency,
+                depth: depth * 2.0 - 1.0,
+            }
+        });
+        Image::from_texels(self.albedo.width(), self.albedo.height(), texels.collect())
+    }
+
+    /// Mips of the albedo from half size downward, with the coverage of the base.
+    #[must_use]
+    pub fn albedo_mips(&self) -> Vec<Image<[u8; 4]>> {
+        let levels = self.albedo.width().max(self.albedo.height()).ilog2() as usize + 1;
+        let chain = mips::chain(self.texels(), levels, ALPHA_CUTOFF);
+        chain.iter().skip(1).map(|mip| mip.map(Texel::albedo_bytes)).collect()
+    }
+}
