@@ -10,3 +10,4 @@ pub mod mesh;
 pub mod report;
 pub mod rng;
 pub mod species;
+pub mod texture;
