@@ -45,7 +45,7 @@ fn lit(texel: &Texel) -> [u8; 3] {
     let half = (sun + Vec3::Z).normalize_or(Vec3::Z);
     let power = 2.0 / (texel.roughness * texel.roughness).max(0.02);
     let shine = libm::powf(normal.dot(half).max(0.0), power) * 0.06 * (1.0 - texel.roughness);
-    let light = 2.6 * normal.dot(sun).max(0.0) + 0.6 * texel.occlusion;
+    let light = 1.3 * normal.dot(sun).max(0.0) + 0.4 * texel.occlusion;
     texel.albedo.map(|x| {
         let seen = x * light + shine * light;
         srgb_from_linear(seen * texel.alpha + 0.6 * (1.0 - texel.alpha))

@@ -116,10 +116,10 @@ impl<'a> Pattern<'a> {
             Periodic::new(draws.next_u32(), [cells(width_mm), cells(height_mm)])
         };
         let (main_mm, minor_mm, crack_mm, roughness) = match art.pattern {
-            BarkPattern::Ridged => ([52.0, 210.0], [13.0, 70.0], [34.0, 26.0], 0.9),
-            BarkPattern::Gnarled => ([60.0, 110.0], [20.0, 30.0], [24.0, 40.0], 0.87),
+            BarkPattern::Ridged => ([50.0, 210.0], [12.0, 45.0], [34.0, 30.0], 0.9),
+            BarkPattern::Gnarled => ([44.0, 95.0], [18.0, 30.0], [13.0, 22.0], 0.87),
             BarkPattern::Smooth => ([120.0, 90.0], [90.0, 7.0], [60.0, 30.0], 0.85),
-            BarkPattern::Rings => ([160.0, 58.0], [40.0, 40.0], [9.0, 60.0], 0.88),
+            BarkPattern::Rings => ([160.0, 58.0], [45.0, 40.0], [13.0, 90.0], 0.88),
         };
         let mut pair = |width_mm: f32, height_mm: f32| {
             [field(width_mm, height_mm), field(width_mm, height_mm)]
@@ -156,86 +156,85 @@ impl<'a> Pattern<'a> {
         }
     }
 
-    /// (u, v) pushed about: by `slow` and `quick` parts of a main cell.
-    fn warped(&self, u: f32, v: f32, slow: f32, quick: f32) -> (f32, f32) {
-        let push = |slow_field: &Periodic, quick_field: &Periodic, cell: f32| {
-            cell * (slow * slow_field.at(u, v) + quick * quick_field.at(u, v))
-        };
-        (
-            u + push(&self.bend[0], &self.wobble[0], self.cell[0]),
-            v + push(&self.bend[1], &self.wobble[1], self.cell[1]),
-        )
+    /// (u, v) pushed about, in parts of a main cell: slowly `sideways` and `along`, and by quick
+    /// wobbles.
+    fn warped(&self, u: f32, v: f32, sideways: f32, along: f32, quick: f32) -> (f32, f32) {
+        let x = sideways * self.bend[0].at(u, v) + quick * self.wobble[0].at(u, v);
+        let y = along * self.bend[1].at(u, v) + 0.5 * quick * self.wobble[1].at(u, v);
+        (u + self.cell[0] * x, v + self.cell[1] * y)
     }
 
     /// Long cells as ridges, the borders between them as furrows; where the mask closes a furrow
     /// two ridges join, which braids them into diamonds.
     fn ridged(&self, u: f32, v: f32) -> Relief {
-        let (x, y) = self.warped(u, v, 0.85, 0.16);
+        let (x, y) = self.warped(u, v, 0.8, 0.3, 0.22);
         let plate = self.main.cell(x, y);
         let mask = self.mask.fbm(u, v, 2);
-        let width = lerp(0.16, 0.3, smoothstep(-0.5, 0.6, mask));
-        let wall = smoothstep(0.0, width, plate.border);
-        let closed = smoothstep(0.15, 0.6, self.minor.at(y, x) * 0.3 - mask) * 0.75;
-        let ridge = lerp(wall, 1.0, closed) * (0.8 + 0.2 * smoothstep(0.0, 0.5, plate.border));
-        let fibre = self.minor.ridge(x, y);
-        let fissure = self.minor.at(x + 0.37, y + 0.11);
-        let crossing = self.crack.cell(x, y + 0.4 * self.cell[0] * mask);
-        let cut = (1.0 - smoothstep(0.02, 0.13, crossing.border)) * smoothstep(0.3, 0.8, ridge);
+        let fissure = self.minor.at(x, y);
+        let width = lerp(0.2, 0.4, smoothstep(-0.5, 0.6, mask + 0.4 * fissure));
+        let wall = smoothstep(0.01, width, plate.border + 0.05 * fissure);
+        let closed = smoothstep(0.1, 0.55, -mask) * 0.7;
+        let ridge = lerp(wall, 0.9, closed) * (0.85 + 0.15 * smoothstep(0.0, 0.5, plate.border));
+        let crossing = self.crack.cell(x, v + 0.5 * self.cell[0] * mask);
+        let cut = (1.0 - smoothstep(0.0, 0.14, crossing.border))
+            * smoothstep(0.4, 0.9, ridge)
+            * smoothstep(-0.1, 0.5, mask + fissure * 0.5);
         let grain = self.grain.fbm(u, v, 2);
-        let height = 0.05 + 0.72 * ridge + 0.1 * fissure * ridge + 0.08 * fibre - 0.13 * cut
-            + 0.05 * (plate.id - 0.5) * ridge
-            + 0.05 * grain;
+        let height = 0.08 + 0.68 * ridge + 0.16 * fissure * (0.25 + ridge) - 0.16 * cut
+            + 0.1 * (plate.id - 0.5) * ridge
+            + 0.09 * grain * (0.4 + 0.6 * ridge);
         Relief {
             height,
-            tone: 0.12 + 0.85 * height + 0.08 * grain + 0.12 * (plate.id - 0.5) * ridge
-                - 0.06 * cut,
+            tone: 0.08 + 0.85 * height + 0.1 * grain + 0.16 * (plate.id - 0.5) * ridge,
         }
     }
 
-    /// Short twisted ridges over slow swellings, broken into scales, with pits.
+    /// Rounded twisted ridges with soft furrows, partly broken into scales, with pits.
     fn gnarled(&self, u: f32, v: f32) -> Relief {
-        let (x, y) = self.warped(u, v, 0.9, 0.3);
-        let swell = self.bend[0].fbm(x, y, 2);
+        let (x, y) = self.warped(u, v, 0.75, 0.35, 0.3);
+        let knot = self.main.cell(x, y);
         let mask = self.mask.fbm(u, v, 2);
-        let coarse = self.main.ridge(x, y);
-        let coarse = coarse * coarse;
-        let fine = self.minor.ridge(x + 0.3 * self.cell[0] * swell, y);
-        let scale = self.crack.cell(x, y);
-        let furrow = 1.0 - smoothstep(0.0, 0.16, scale.border);
+        let swell = self.minor.fbm(x, y, 2);
+        let ridge = smoothstep(-0.05, 0.5, knot.border + 0.1 * swell);
+        let scale = self.crack.cell(x + 0.1 * self.cell[0] * swell, y);
+        let broken = smoothstep(-0.3, 0.35, mask + 0.5 * (knot.id - 0.5));
+        let furrow = (1.0 - smoothstep(0.0, 0.22, scale.border)) * broken;
         let pit_at = self.minor.cell(x, y);
-        let pit = (1.0 - smoothstep(0.06, 0.3, pit_at.centre)) * smoothstep(0.7, 0.78, pit_at.id);
-        let grain = self.grain.fbm(u, v, 2);
-        let height = 0.46 + 0.16 * swell + 0.3 * coarse * (0.7 + 0.5 * mask) + 0.12 * fine
-            - furrow * (0.2 + 0.14 * mask)
-            - 0.28 * pit
-            + 0.1 * (scale.id - 0.5)
-            + 0.06 * grain;
+        let pit = (1.0 - smoothstep(0.05, 0.4, pit_at.centre)) * smoothstep(0.8, 0.86, pit_at.id);
+        let grain = self.grain.fbm(u, v, 3);
+        let height = 0.2 + 0.5 * ridge + 0.18 * swell - 0.17 * furrow - 0.3 * pit
+            + 0.12 * (scale.id - 0.5) * broken
+            + 0.14 * (knot.id - 0.5)
+            + 0.12 * grain;
         Relief {
             height,
-            tone: 0.3 + 0.62 * height + 0.1 * grain + 0.12 * mask - 0.1 * furrow,
+            tone: 0.3 + 0.6 * height + 0.14 * grain + 0.1 * mask - 0.1 * furrow - 0.1 * pit,
         }
     }
 
-    /// Nearly flat: slow swellings, faint wrinkles across the stem, scattered lenticels.
+    /// Nearly flat: slow swellings, faint wrinkles across the stem, scattered lenticels, and
+    /// patches of crust lichen with soft edges.
     fn smooth(&self, u: f32, v: f32) -> Relief {
-        let (x, y) = self.warped(u, v, 0.25, 0.05);
+        let (x, y) = self.warped(u, v, 0.25, 0.25, 0.05);
         let swell = self.main.fbm(x, y, 3);
         let mask = self.mask.fbm(u, v, 2);
+        let grain = self.grain.fbm(u, v, 3);
         let wrinkle = self.minor.ridge(x, y) * smoothstep(-0.4, 0.5, mask);
         let spot = self.crack.cell(x, y);
-        let lenticel = (1.0 - smoothstep(0.05, 0.16, spot.centre)) * smoothstep(0.55, 0.6, spot.id);
-        let grain = self.grain.fbm(u, v, 3);
-        let height = 0.5 + 0.25 * swell + 0.1 * wrinkle + 0.2 * lenticel + 0.1 * grain;
+        let lenticel = (1.0 - smoothstep(0.04, 0.16, spot.centre)) * smoothstep(0.6, 0.65, spot.id);
+        let lichen = smoothstep(0.05, 0.3, swell + 0.25 * grain);
+        let height = 0.45 + 0.2 * swell + 0.12 * wrinkle + 0.2 * lenticel + 0.14 * grain;
+        let tone = 0.5 + 0.15 * mask + 0.25 * lichen + 0.2 * grain;
         Relief {
             height,
-            tone: 0.6 + 0.3 * mask + 0.12 * swell + 0.1 * grain - 0.1 * wrinkle - 0.25 * lenticel,
+            tone: tone - 0.12 * wrinkle - 0.3 * lenticel,
         }
     }
 
     /// Rings of leaf scars: each rises to a ledge at its top, then falls into a groove; fine
     /// cracks along the stem, which the ledges interrupt.
     fn ringed(&self, u: f32, v: f32) -> Relief {
-        let wave = 0.22 * self.bend[0].at(u, v) + 0.07 * self.wobble[0].at(u, v);
+        let wave = 0.3 * self.bend[0].at(u, v) + 0.1 * self.wobble[0].at(u, v);
         // Unevenly spaced: the same shift all around, from a row of noise.
         let uneven = 0.42 * self.main.at(0.123, v);
         let along = v * self.rings + wave + uneven;
@@ -246,31 +245,28 @@ impl<'a> Pattern<'a> {
         let mask = self.mask.fbm(u, v, 2);
         let ledge = smoothstep(0.0, 0.16, way) * (1.0 - smoothstep(0.9, 1.0, way));
         let scar = smoothstep(0.62, 0.72, way) * (1.0 - smoothstep(0.9, 0.98, way));
-        let split = self
-            .crack
-            .cell(u + 0.15 * self.wobble[1].at(u, v) * self.cell[1], v + shift);
-        let crack = (1.0 - smoothstep(0.02, 0.16, split.border))
-            * smoothstep(0.1, 0.25, way)
-            * (1.0 - 0.7 * scar);
+        let (side, up) = (0.3 * self.wobble[1].at(u, v) * self.cell[1], v + shift);
+        let split = self.crack.ridge(u + side, up);
+        let open = smoothstep(-0.25, 0.4, self.minor.at(u, up) + 0.5 * mask);
+        let crack = smoothstep(0.72, 0.98, split)
+            * open
+            * smoothstep(0.08, 0.2, way)
+            * (1.0 - smoothstep(0.55, 0.75, way));
         let grain = self.grain.fbm(u, v, 2);
-        let height = 0.3 + ledge * (0.22 + 0.22 * way) + 0.12 * scar - 0.24 * crack
+        let height = 0.28 + ledge * (0.2 + 0.24 * way) + 0.1 * scar - 0.22 * crack
             + 0.08 * mask
-            + 0.08 * grain;
+            + 0.14 * grain;
         Relief {
             height,
-            tone: 0.28 + 0.32 * ledge + 0.16 * scar - 0.26 * crack + 0.22 * mask + 0.12 * grain,
+            tone: 0.26 + 0.3 * ledge + 0.14 * scar - 0.24 * crack + 0.26 * mask + 0.2 * grain,
         }
     }
 
     /// Colour by tone, with slow blotches (algae and weather: a little greener or browner).
     fn colour(&self, relief: &Relief, u: f32, v: f32) -> [f32; 3] {
         let blotch = self.blotch.fbm(u, v, 3);
-        let value = 1.0 + 0.14 * blotch;
-        let tint = [
-            1.0 + 0.05 * blotch,
-            1.0 + 0.01 * blotch,
-            1.0 - 0.06 * blotch,
-        ];
+        let value = 1.0 + 0.1 * blotch;
+        let tint = [1.0 + 0.03 * blotch, 1.0, 1.0 - 0.04 * blotch];
         let mixed = |i: usize| lerp(self.art.dark[i], self.art.light[i], relief.tone);
         [0, 1, 2].map(|i| (mixed(i) * value * tint[i]).clamp(0.0, 1.0))
     }

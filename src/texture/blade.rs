@@ -3,7 +3,7 @@
 //! The frame: `u` runs along the midrib (0 at the base of the blade, 1 at the tip, negative on the
 //! petiole), `v` across it, in parts of the blade's length. Slopes are height over way.
 
-use crate::math::{PI, Vec2, lerp, smoothstep};
+use crate::math::{Vec2, lerp, smoothstep};
 use crate::species::schema::Blade;
 
 /// Steps of the tabulated outline.
@@ -75,7 +75,7 @@ impl Outline {
         } else {
             (1.0 - phase) / 0.3
         };
-        let rounded = tooth * (2.0 - tooth);
+        let rounded = tooth * (1.5 - 0.5 * tooth);
         // Neither the base nor the very tip has teeth.
         let here = smoothstep(0.02, 0.12, u) * (1.0 - smoothstep(0.88, 0.98, u));
         smooth * (1.0 - self.tooth_depth * here * (1.0 - rounded))
@@ -127,7 +127,7 @@ impl Outline {
         let lean = VEIN_LEAN * (0.8 + 0.5 * margin);
         let offset = shift + if side < 0.0 { 0.42 } else { 0.0 };
         // A slow wobble keeps the spacing from being even.
-        let wobble = 0.13 * libm::sinf(9.0 * u + 40.0 * shift + side);
+        let wobble = 0.13 * wave(1.4 * u + 6.4 * shift + 0.2 * side);
         let phase = (u - lean * across) * self.veins + offset + wobble;
         let from_middle = phase - phase.floor() - 0.5;
         let across_vein = 1.0 / (1.0 + lean * lean).sqrt();
@@ -137,7 +137,7 @@ impl Outline {
         let bell = bell_of(x);
         let strength = 0.6 * (1.0 - smoothstep(0.75, 1.0, margin)) * smoothstep(0.0, 0.06, u);
         // The blade bulges between veins.
-        let quilt = -0.16 * libm::sinf(2.0 * PI * from_middle) * (1.0 - margin * margin);
+        let quilt = -0.16 * wave(from_middle) * (1.0 - margin * margin);
         let direction = Vec2::new(across_vein, -side * lean * across_vein);
         let tilt = direction * (0.5 * strength * x * bell * bell - quilt);
         (strength * bell, tilt)
@@ -149,7 +149,7 @@ impl Outline {
         let from_middle = phase - phase.floor() - 0.5;
         let bell = bell_of(from_middle * 5.0);
         let strength = 0.3 * smoothstep(0.0, 0.1, u) * (1.0 - smoothstep(0.9, 1.0, u));
-        let tilt = 0.12 * side * libm::sinf(2.0 * PI * from_middle);
+        let tilt = 0.12 * side * wave(from_middle);
         (strength * bell, Vec2::new(0.0, tilt))
     }
 }
@@ -158,6 +158,12 @@ impl Outline {
 fn bell_of(x: f32) -> f32 {
     let y = 1.0 + x * x;
     1.0 / (y * y)
+}
+
+/// Close to a sine of `turns`, from two parabolas.
+fn wave(turns: f32) -> f32 {
+    let x = turns - (turns + 0.5).floor();
+    8.0 * x * (1.0 - 2.0 * x.abs())
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use fastnoise_lite::{FastNoiseLite, FractalType, NoiseType};
 use rand::Rng;
 
 use super::blade::Outline;
-use super::sprig::{Card, PlacedBlade, SHADE_REACH, Sprig, sprig};
+use super::sprig::{Card, PETIOLE_RADIUS, PlacedBlade, SHADE_REACH, Sprig, sprig};
 use super::texels_from_rows;
 use crate::image::{Image, Texel};
 use crate::math::{Vec2, Vec3, lerp, smoothstep};
@@ -58,6 +58,15 @@ struct Painter<'a> {
     mottle: FastNoiseLite,
 }
 
+/// What is on top at one point of the card.
+#[derive(Clone, Copy)]
+enum Hit<'a> {
+    /// A blade, with the place in its frame.
+    Blade(&'a PlacedBlade, f32, f32),
+    /// The twig, with the place across it.
+    Twig(f32),
+}
+
 /// What one sample sees.
 #[derive(Clone, Copy, Default)]
 struct Sample {
@@ -66,6 +75,16 @@ struct Sample {
     occlusion: f32,
     roughness: f32,
     translucency: f32,
+}
+
+impl Sample {
+    fn add(&mut self, other: &Self) {
+        self.albedo += other.albedo;
+        self.normal += other.normal;
+        self.occlusion += other.occlusion;
+        self.roughness += other.roughness;
+        self.translucency += other.translucency;
+    }
 }
 
 impl<'a> Painter<'a> {
@@ -91,7 +110,7 @@ impl<'a> Painter<'a> {
         mottle.set_noise_type(Some(NoiseType::OpenSimplex2));
         mottle.set_fractal_type(Some(FractalType::FBm));
         mottle.set_fractal_octaves(Some(3));
-        mottle.set_frequency(Some(if single { 7.0 } else { 14.0 }));
+        mottle.set_frequency(Some(if single { 16.0 } else { 30.0 }));
         Self {
             art,
             sprig: sprig(art, &outline, &card, seed),
@@ -123,36 +142,39 @@ impl<'a> Painter<'a> {
         }
         let mottle = self.mottle.get_noise_2d(centre.x, centre.y);
         let mut sum = Sample::default();
-        let mut hits = 0.0;
+        let (mut covered, mut shaded) = (0_u8, 0.0);
         for j in 0..GRID {
             for i in 0..GRID {
                 let step = Vec2::new(f32::from(i) + 0.5, -f32::from(j) - 0.5) / f32::from(GRID);
-                if let Some(sample) = self.sample(corner + self.texel * step, &blades, mottle) {
-                    sum.albedo += sample.albedo;
-                    sum.normal += sample.normal;
-                    sum.occlusion += sample.occlusion;
-                    sum.roughness += sample.roughness;
-                    sum.translucency += sample.translucency;
-                    hits += 1.0;
+                let Some((hit, shade)) = self.hit(corner + self.texel * step, &blades) else {
+                    continue;
+                };
+                covered += 1;
+                // Coverage needs every sample; colour is smooth enough for one in each row and
+                // column, and where none of those hit, for the first that does.
+                if (2 * i + j / 2 + j) % GRID == 1 || covered == 1 {
+                    sum.add(&self.shaded(&hit, shade, mottle));
+                    shaded += 1.0;
                 }
             }
         }
-        if hits == 0.0 {
+        if covered == 0 {
             return Texel::EMPTY;
         }
         Texel {
-            albedo: (sum.albedo / hits).to_array(),
-            alpha: hits / (f32::from(GRID) * f32::from(GRID)),
+            albedo: (sum.albedo / shaded).to_array(),
+            alpha: f32::from(covered) / f32::from(GRID * GRID),
             normal: sum.normal.normalize_or(Vec3::Z).to_array(),
-            occlusion: sum.occlusion / hits,
-            roughness: sum.roughness / hits,
-            translucency: sum.translucency / hits,
+            occlusion: sum.occlusion / shaded,
+            roughness: sum.roughness / shaded,
+            translucency: sum.translucency / shaded,
             depth: 0.0,
         }
     }
 
-    /// What is on top at a point of the card, if anything; `near` are blades in order.
-    fn sample(&self, point: Vec2, near: &[usize], mottle: f32) -> Option<Sample> {
+    /// What is on top at a point of the card, if anything, and how much those above shade it (0
+    /// not ..= 1 most); `near` are blades in order.
+    fn hit(&self, point: Vec2, near: &[usize]) -> Option<(Hit<'_>, f32)> {
         let mut shade: f32 = 0.0;
         let mut twig = self.sprig.twig;
         for &index in near {
@@ -160,52 +182,62 @@ impl<'a> Painter<'a> {
                 && let Some(twig) = twig.take()
                 && let Some(across) = twig.across(point, self.card.border.y)
             {
-                return Some(self.on_twig(across, shade, mottle));
+                return Some((Hit::Twig(across), shade));
             }
             let blade = &self.sprig.blades[index];
             let (u, v) = blade.local(point);
-            if blade.covers(&self.outline, u, v) {
-                return Some(self.on_blade(blade, u, v, shade, mottle));
-            }
-            let away = blade.outside(&self.outline, u, v) / SHADE_REACH;
-            shade = shade.max((1.0 - away).max(0.0));
+            let Some(away) = blade.outside(&self.outline, u, v) else {
+                return Some((Hit::Blade(blade, u, v), shade));
+            };
+            shade = shade.max(1.0 - away / SHADE_REACH);
         }
         let across = twig?.across(point, self.card.border.y)?;
-        Some(self.on_twig(across, shade, mottle))
+        Some((Hit::Twig(across), shade))
+    }
+
+    fn shaded(&self, hit: &Hit<'_>, shade: f32, mottle: f32) -> Sample {
+        match *hit {
+            Hit::Twig(across) => self.on_twig(across, shade, mottle),
+            Hit::Blade(blade, u, v) if u < 0.0 => self.on_petiole(blade, v, shade),
+            Hit::Blade(blade, u, v) => self.on_blade(blade, u, v, shade, mottle),
+        }
     }
 
     fn on_twig(&self, across: f32, shade: f32, mottle: f32) -> Sample {
         let colour = Vec3::from_array(self.art.stalk_colour) * (1.0 + 0.25 * mottle);
         Sample {
             albedo: colour.clamp(Vec3::ZERO, Vec3::ONE),
-            normal: round_normal(Vec2::X * across),
+            normal: round_normal(across),
             occlusion: lerp(1.0, SHADE, shade * shade),
             roughness: 0.8,
             translucency: 0.0,
         }
     }
 
+    fn on_petiole(&self, blade: &PlacedBlade, v: f32, shade: f32) -> Sample {
+        let colour = Vec3::from_array(self.art.colour) * Vec3::from_array(VEIN_TINT);
+        let slope = blade.card_slope(Vec2::new(0.0, -v / PETIOLE_RADIUS));
+        Sample {
+            albedo: colour
+                .lerp(Vec3::from_array(self.art.stalk_colour), 0.5)
+                .clamp(Vec3::ZERO, Vec3::ONE),
+            normal: Vec3::new(-slope.x, -slope.y, 1.0).normalize_or(Vec3::Z),
+            occlusion: 0.85 * lerp(1.0, SHADE, shade * shade),
+            roughness: 0.7,
+            translucency: 0.0,
+        }
+    }
+
     fn on_blade(&self, blade: &PlacedBlade, u: f32, v: f32, shade: f32, mottle: f32) -> Sample {
         let shaded = lerp(1.0, SHADE, shade * shade);
-        if u < 0.0 {
-            let colour = Vec3::from_array(self.art.colour) * Vec3::from_array(VEIN_TINT) * 0.5
-                + Vec3::from_array(self.art.stalk_colour) * 0.5;
-            return Sample {
-                albedo: colour.clamp(Vec3::ZERO, Vec3::ONE),
-                normal: round_normal(blade.card_slope(Vec2::ZERO) * -1.0),
-                occlusion: shaded * 0.85,
-                roughness: 0.7,
-                translucency: 0.0,
-            };
-        }
         let surface = self.outline.surface(u, v, self.fold, blade.shift);
         let mut colour = Vec3::from_array(self.art.colour) * Vec3::from_array(blade.tint);
-        colour *= (1.0 + 0.16 * mottle) * lerp(0.93, 1.07, surface.margin);
+        colour *= (1.0 + 0.14 * mottle) * lerp(0.92, 1.08, surface.margin);
         let back = if blade.underside { 1.0 } else { 0.0 };
         // Undersides are paler and greyer: hairs and air under the skin.
         let grey = Vec3::splat(colour.dot(Vec3::new(0.3, 0.6, 0.1)));
         colour = colour.lerp(grey, 0.35 * back) * (1.0 + 0.4 * back);
-        let vein_tint = Vec3::ONE.lerp(Vec3::from_array(VEIN_TINT), 0.6 * surface.vein);
+        let vein_tint = Vec3::ONE.lerp(Vec3::from_array(VEIN_TINT), 0.75 * surface.vein);
         let inner = 1.0 - smoothstep(0.0, 0.3, u);
         let sides = if self.sprig.twig.is_some() {
             0.22
@@ -224,10 +256,10 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// The normal of a round stalk, from the place across it (at most 1 long).
-fn round_normal(across: Vec2) -> Vec3 {
-    let across = across.clamp_length_max(0.95);
-    Vec3::new(across.x, across.y, (1.0 - across.length_squared()).sqrt()).normalize_or(Vec3::Z)
+/// The normal of an upright round stalk, from the place across it, -1..=1.
+fn round_normal(across: f32) -> Vec3 {
+    let x = across.clamp(-0.95, 0.95);
+    Vec3::new(x, 0.0, (1.0 - x * x).sqrt()).normalize_or(Vec3::Z)
 }
 
 /// Gives transparent texels the values of a near leaf texel (two sweeps of nearest-source

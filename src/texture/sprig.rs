@@ -88,11 +88,16 @@ impl PlacedBlade {
         self.along * slope.x + self.along.perp() * slope.y + self.tilt
     }
 
-    /// Way past the outline, in card lengths: 0 inside.
-    pub(super) fn outside(&self, outline: &Outline, u: f32, v: f32) -> f32 {
-        let past_end = (-u).max(u - 1.0).max(0.0);
-        let past_side = (v.abs() - outline.half_at(u.clamp(0.0, 1.0))).max(0.0);
-        (past_end * past_end + past_side * past_side).sqrt() * self.length
+    /// Way past the outline, in card lengths; `None` on the blade or its petiole.
+    pub(super) fn outside(&self, outline: &Outline, u: f32, v: f32) -> Option<f32> {
+        let past_side = v.abs() - outline.half_at(u.clamp(0.0, 1.0));
+        let past_end = (-u).max(u - 1.0);
+        let on_petiole = u < 0.0 && u >= -self.petiole && v.abs() * self.narrow < PETIOLE_RADIUS;
+        if on_petiole || (past_end <= 0.0 && past_side < 0.0) {
+            return None;
+        }
+        let (x, y) = (past_end.max(0.0), past_side.max(0.0));
+        Some((x * x + y * y).sqrt() * self.length)
     }
 
     /// True if the point's neighbourhood may hold part of the blade or its shade.
@@ -101,15 +106,6 @@ impl PlacedBlade {
             && point.y > self.low.y - margin
             && point.x < self.high.x + margin
             && point.y < self.high.y + margin
-    }
-
-    /// True if the blade itself, or its petiole, is at this place of its frame.
-    pub(super) fn covers(&self, outline: &Outline, u: f32, v: f32) -> bool {
-        if u >= 0.0 {
-            v.abs() < outline.half_at(u)
-        } else {
-            u >= -self.petiole && v.abs() * self.narrow < PETIOLE_RADIUS
-        }
     }
 
     fn measure(&mut self, outline: &Outline) {
@@ -253,7 +249,7 @@ impl<'a> Builder<'a> {
         let petiole = if per_node == 2 { 0.06 } else { 0.22 };
         let twig = Twig {
             top: (1.0 - self.card.border.y - self.blade * 0.92 * (1.0 + petiole * 0.5)).max(0.04),
-            bow: self.key.signed(Parameter::Texture) * 0.018,
+            bow: self.key.signed(Parameter::Texture) * 0.03,
         };
         let mut ranked: Vec<(f32, PlacedBlade)> = Vec::new();
         let first = if nodes > 1 { 0.14 } else { 0.5 };
