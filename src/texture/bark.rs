@@ -181,11 +181,11 @@ impl<'a> Pattern<'a> {
             * smoothstep(-0.1, 0.5, mask + fissure * 0.5);
         let grain = self.grain.fbm(u, v, 2);
         let height = 0.08 + 0.68 * ridge + 0.16 * fissure * (0.25 + ridge) - 0.16 * cut
-            + 0.1 * (plate.id - 0.5) * ridge
+            + 0.12 * (plate.id - 0.5) * wall
             + 0.09 * grain * (0.4 + 0.6 * ridge);
         Relief {
             height,
-            tone: 0.08 + 0.85 * height + 0.1 * grain + 0.16 * (plate.id - 0.5) * ridge,
+            tone: 0.08 + 0.85 * height + 0.1 * grain + 0.16 * (plate.id - 0.5) * wall,
         }
     }
 
@@ -203,12 +203,12 @@ impl<'a> Pattern<'a> {
         let pit = (1.0 - smoothstep(0.05, 0.4, pit_at.centre)) * smoothstep(0.8, 0.86, pit_at.id);
         let grain = self.grain.fbm(u, v, 3);
         let height = 0.2 + 0.5 * ridge + 0.18 * swell - 0.17 * furrow - 0.3 * pit
-            + 0.12 * (scale.id - 0.5) * broken
-            + 0.14 * (knot.id - 0.5)
+            + 0.14 * (scale.id - 0.5) * broken * smoothstep(0.0, 0.25, scale.border)
+            + 0.2 * (knot.id - 0.5) * smoothstep(0.0, 0.3, knot.border)
             + 0.12 * grain;
         Relief {
             height,
-            tone: 0.3 + 0.6 * height + 0.14 * grain + 0.1 * mask - 0.1 * furrow - 0.1 * pit,
+            tone: 0.2 + 0.78 * height + 0.16 * grain + 0.1 * mask - 0.1 * furrow - 0.1 * pit,
         }
     }
 
@@ -245,8 +245,8 @@ impl<'a> Pattern<'a> {
         let mask = self.mask.fbm(u, v, 2);
         let ledge = smoothstep(0.0, 0.16, way) * (1.0 - smoothstep(0.9, 1.0, way));
         let scar = smoothstep(0.62, 0.72, way) * (1.0 - smoothstep(0.9, 0.98, way));
-        let (side, up) = (0.3 * self.wobble[1].at(u, v) * self.cell[1], v + shift);
-        let split = self.crack.ridge(u + side, up);
+        let up = v + shift;
+        let split = self.crack.ridge(u, up);
         let open = smoothstep(-0.25, 0.4, self.minor.at(u, up) + 0.5 * mask);
         let crack = smoothstep(0.72, 0.98, split)
             * open
@@ -255,7 +255,7 @@ impl<'a> Pattern<'a> {
         let grain = self.grain.fbm(u, v, 2);
         let height = 0.28 + ledge * (0.2 + 0.24 * way) + 0.1 * scar - 0.22 * crack
             + 0.08 * mask
-            + 0.14 * grain;
+            + 0.1 * grain;
         Relief {
             height,
             tone: 0.26 + 0.3 * ledge + 0.14 * scar - 0.24 * crack + 0.26 * mask + 0.2 * grain,
@@ -264,7 +264,7 @@ impl<'a> Pattern<'a> {
 
     /// Colour by tone, with slow blotches (algae and weather: a little greener or browner).
     fn colour(&self, relief: &Relief, u: f32, v: f32) -> [f32; 3] {
-        let blotch = self.blotch.fbm(u, v, 3);
+        let blotch = self.blotch.fbm(u, v, 2);
         let value = 1.0 + 0.1 * blotch;
         let tint = [1.0 + 0.03 * blotch, 1.0, 1.0 - 0.04 * blotch];
         let mixed = |i: usize| lerp(self.art.dark[i], self.art.light[i], relief.tone);
@@ -339,6 +339,125 @@ impl Plane {
         Self {
             size: self.size,
             values,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PATTERNS: [BarkPattern; 4] = [
+        BarkPattern::Ridged,
+        BarkPattern::Gnarled,
+        BarkPattern::Smooth,
+        BarkPattern::Rings,
+    ];
+
+    fn art(pattern: BarkPattern) -> BarkArt {
+        BarkArt {
+            pattern,
+            light: [0.25, 0.22, 0.18],
+            dark: [0.06, 0.045, 0.03],
+            height_m: 0.5,
+            depth_m: 0.01,
+        }
+    }
+
+    /// Mean difference between each line of texels and the next, the last being the wrap.
+    fn steps(tile: &Image<Texel>, across: bool) -> Vec<f32> {
+        let size = tile.width();
+        let at = |line: u32, i: u32| {
+            *if across {
+                tile.at(line, i)
+            } else {
+                tile.at(i, line)
+            }
+        };
+        (0..size)
+            .map(|line| {
+                let difference: f32 = (0..size)
+                    .map(|i| {
+                        let (a, b) = (at(line, i), at((line + 1) % size, i));
+                        (a.albedo[1] - b.albedo[1]).abs() * 4.0
+                            + (a.normal[0] - b.normal[0]).abs()
+                            + (a.normal[1] - b.normal[1]).abs()
+                            + (a.occlusion - b.occlusion).abs()
+                    })
+                    .sum();
+                difference / size as f32
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_pattern_is_as_smooth_over_its_seams_as_inside() {
+        for pattern in PATTERNS {
+            let tile = bark(&art(pattern), 5, 96);
+            for across in [true, false] {
+                let mut steps = steps(&tile, across);
+                let seam = steps.pop().unwrap();
+                let most = steps.iter().fold(0.0, |a: f32, &b| a.max(b));
+                assert!(seam <= most * 1.05, "{pattern:?} {across}: {seam} {most}");
+            }
+        }
+    }
+
+    #[test]
+    fn texels_are_opaque_with_unit_normals_and_fair_colours() {
+        for pattern in PATTERNS {
+            let tile = bark(&art(pattern), 5, 64);
+            let mut mean = 0.0;
+            for texel in tile.texels() {
+                let [x, y, z] = texel.normal;
+                assert!((x * x + y * y + z * z - 1.0).abs() < 1e-4 && z > 0.2);
+                assert_eq!(
+                    (texel.alpha, texel.translucency, texel.depth),
+                    (1.0, 0.0, 0.0)
+                );
+                assert!((OCCLUSION_FLOOR..=1.0).contains(&texel.occlusion));
+                assert!((0.84..=0.96).contains(&texel.roughness));
+                mean += texel.albedo[1] / 4096.0;
+            }
+            assert!((0.1..0.2).contains(&mean), "{pattern:?} {mean}");
+        }
+    }
+
+    #[test]
+    fn the_seed_alone_decides_whatever_the_threads() {
+        let draw = |threads: usize, seed: u64| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| bark(&art(BarkPattern::Ridged), seed, 48))
+        };
+        assert_eq!(draw(1, 8), draw(3, 8));
+        assert_ne!(draw(1, 8), draw(1, 9));
+    }
+
+    #[test]
+    fn deeper_relief_tilts_normals_more_and_none_leaves_them_flat() {
+        let tilt = |depth_m: f32| -> f32 {
+            let art = BarkArt {
+                depth_m,
+                ..art(BarkPattern::Gnarled)
+            };
+            let tile = bark(&art, 1, 64);
+            tile.texels()
+                .iter()
+                .map(|texel| 1.0 - texel.normal[2])
+                .sum()
+        };
+        assert_eq!(tilt(0.0), 0.0);
+        assert!(tilt(0.02) > 1.5 * tilt(0.005));
+    }
+
+    #[test]
+    fn tiny_tiles_are_drawn_too() {
+        for size in 0..4 {
+            let tile = bark(&art(BarkPattern::Rings), 1, size);
+            assert_eq!(tile.texels().len(), (size * size) as usize);
         }
     }
 }

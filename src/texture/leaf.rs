@@ -98,7 +98,8 @@ impl<'a> Painter<'a> {
         let single = art.arrangement == Arrangement::Single;
         let half = if single {
             // Fills the card, whatever its shape; a little room is left for the midrib's bow.
-            0.97 * (card.half_width - card.border.x).max(0.0) / (1.0 - 2.0 * card.border.y).max(0.1)
+            0.985 * (card.half_width - card.border.x).max(0.0)
+                / (1.0 - 2.0 * card.border.y).max(0.1)
         } else {
             0.5 * art.blade.width
         };
@@ -326,5 +327,154 @@ fn adopt(
             best = distance(source);
             sources[own] = Some(source);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::species::schema::{Blade, LeafLook};
+
+    const COLOUR: [f32; 3] = [0.06, 0.12, 0.03];
+
+    fn art(arrangement: Arrangement) -> LeafArt {
+        LeafArt {
+            arrangement,
+            blade: Blade {
+                width: 0.25,
+                widest: 0.5,
+                sharpness: 0.5,
+                teeth: 0,
+                tooth_depth: 0.0,
+                veins: 6,
+            },
+            colour: COLOUR,
+            colour_vary: 0.1,
+            stalk_colour: [0.15, 0.12, 0.08],
+            gloss: 0.4,
+            translucency: 0.5,
+        }
+    }
+
+    fn card(arrangement: Arrangement, seed: u64, width: u32, height: u32) -> Image<Texel> {
+        let art = art(arrangement);
+        let kind = LeafKind {
+            name: String::from("leaf"),
+            length_m: 0.12,
+            width_m: 0.08,
+            fold_deg: 0.0,
+            look: LeafLook::Drawn(art.clone()),
+        };
+        leaf(&kind, &art, seed, width, height)
+    }
+
+    const OPPOSITE: Arrangement = Arrangement::Opposite {
+        pairs: 3,
+        angle_deg: 50.0,
+        blade: 0.4,
+    };
+    const ALTERNATE: Arrangement = Arrangement::Alternate {
+        count: 4,
+        angle_deg: 60.0,
+        blade: 0.4,
+    };
+
+    #[test]
+    fn the_border_is_transparent_and_the_stalk_is_at_the_foot() {
+        for arrangement in [Arrangement::Single, OPPOSITE, ALTERNATE] {
+            let card = card(arrangement, 2, 64, 96);
+            for i in 0..64 {
+                assert_eq!(card.at(i, 0).alpha + card.at(i, 95).alpha, 0.0);
+            }
+            for i in 0..96 {
+                assert_eq!(card.at(0, i).alpha + card.at(63, i).alpha, 0.0);
+            }
+            assert!(card.at(31, 93).alpha + card.at(32, 93).alpha > 0.3);
+        }
+    }
+
+    #[test]
+    fn an_elliptic_blade_covers_the_area_of_an_ellipse() {
+        let card = card(Arrangement::Single, 4, 192, 288);
+        let covered: f32 = card.texels().iter().map(|texel| texel.alpha).sum();
+        let share = covered / (192.0 * 288.0);
+        let ellipse = crate::math::PI / 4.0;
+        assert!((0.94..=1.0).contains(&(share / ellipse)), "{share}");
+    }
+
+    #[test]
+    fn normals_are_unit_and_hidden_texels_have_leaf_colours() {
+        for arrangement in [Arrangement::Single, OPPOSITE, ALTERNATE] {
+            for texel in card(arrangement, 2, 48, 72).texels() {
+                let [x, y, z] = texel.normal;
+                assert!((x * x + y * y + z * z - 1.0).abs() < 1e-4 && z > 0.0);
+                assert!((0.03..0.3).contains(&texel.albedo[1]), "{texel:?}");
+                assert!((0.0..=1.0).contains(&texel.occlusion));
+                assert!((0.0..=0.5).contains(&texel.translucency));
+            }
+        }
+    }
+
+    #[test]
+    fn blades_of_a_sprig_do_not_shade_as_one_flat_card() {
+        let card = card(OPPOSITE, 2, 64, 96);
+        let seen = || card.texels().iter().filter(|texel| texel.alpha > 0.9);
+        let count = seen().count() as f32;
+        let mean: f32 = seen().map(|texel| texel.normal[0]).sum::<f32>() / count;
+        let spread: f32 = seen().map(|texel| (texel.normal[0] - mean).abs()).sum();
+        assert!(spread / count > 0.1, "{}", spread / count);
+        assert!(seen().any(|texel| texel.occlusion < 0.75));
+    }
+
+    #[test]
+    fn the_seed_alone_decides_whatever_the_threads() {
+        let draw = |threads: usize, seed: u64| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| card(ALTERNATE, seed, 32, 48))
+        };
+        assert_eq!(draw(1, 8), draw(3, 8));
+        assert_ne!(draw(1, 8), draw(1, 9));
+    }
+
+    #[test]
+    fn degenerate_cards_are_drawn_without_fault() {
+        for size in 0..5 {
+            assert_eq!(
+                card(OPPOSITE, 1, size, size).texels().len(),
+                (size * size) as usize
+            );
+        }
+        let none = Arrangement::Alternate {
+            count: 0,
+            angle_deg: 400.0,
+            blade: 9.0,
+        };
+        assert!(
+            card(none, 1, 16, 16)
+                .texels()
+                .iter()
+                .all(|texel| texel.alpha <= 1.0)
+        );
+    }
+
+    #[test]
+    fn a_sprig_has_this_silhouette() {
+        let card = card(OPPOSITE, 2, 24, 24);
+        let rows: Vec<String> = card
+            .texels()
+            .chunks(24)
+            .map(|row| {
+                let sign = |alpha: f32| if alpha >= 0.5 { '#' } else { '.' };
+                row.iter().map(|texel| sign(texel.alpha)).collect()
+            })
+            .collect();
+        let expected: [&str; 24] = [
+            "", "", "", "", "", "", "", "", "", "", "", "", "", "", "", "", "", "", "", "", "", "",
+            "", "",
+        ];
+        assert_eq!(rows, expected, "{}", rows.join("\n"));
     }
 }

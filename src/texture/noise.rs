@@ -127,10 +127,20 @@ impl Periodic {
 
 /// The cells left and right of a tile position (which may lie outside 0..1), and the way between.
 fn wrapped(position: f32, period: u32) -> (u32, u32, f32) {
-    let cells = (position - position.floor()) * period as f32;
+    let cells = (position - floor(position)) * period as f32;
     let low = floor_to_u32(cells).min(period - 1);
     let high = if low + 1 == period { 0 } else { low + 1 };
     (low, high, cells - low as f32)
+}
+
+/// `x.floor()` inline: without it, baseline x86-64 calls a function. For |x| below 2^24.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "positions are a few tiles at most"
+)]
+fn floor(x: f32) -> f32 {
+    let whole = x as i32 as f32;
+    if whole > x { whole - 1.0 } else { whole }
 }
 
 fn fade(t: f32) -> f32 {

@@ -201,7 +201,7 @@ pub(super) fn sprig(art: &LeafArt, outline: &Outline, card: &Card, seed: u64) ->
 fn single(outline: &Outline, card: &Card, key: Key) -> Sprig {
     let length = 1.0 - 2.0 * card.border.y;
     // The bow takes little of the width, which the outline already leaves free.
-    let bow = key.signed(Parameter::Texture) * 0.03 * outline.half();
+    let bow = key.signed(Parameter::Texture) * 0.015 * outline.half();
     let mut blade = PlacedBlade {
         base: Vec2::new(0.0, card.border.y),
         along: Vec2::Y,
@@ -317,7 +317,11 @@ impl<'a> Builder<'a> {
             bow: -0.05 * outward + 0.03 * signed(draws),
             narrow: libm::cosf(roll * PI * 0.3),
             tilt: along.perp() * roll + along * pitch - Vec2::new(0.22 * outward, 0.06),
-            tint: [value * (1.0 + warm), value, value * (1.0 - 0.5 * warm)],
+            tint: [
+                value * (1.0 + 0.7 * warm),
+                value,
+                value * (1.0 - 0.2 * warm),
+            ],
             underside: unit_from_bits(draws.next_u32()) < 0.14,
             shift: unit_from_bits(draws.next_u32()),
             low: base,
