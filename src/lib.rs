@@ -4,15 +4,20 @@
 //! Data flow one way: a script becomes a [`species`], a species and a seed become a tree, a tree
 //! becomes meshes, captures, a chain of LODs and shadows, and those become a pack of files.
 
+pub mod asset;
 pub mod capture;
 pub mod image;
 pub mod impostor;
 pub mod lod;
 pub mod math;
 pub mod mesh;
+pub mod pack;
+pub mod pipeline;
+pub mod preview;
 pub mod report;
 pub mod rng;
 pub mod shadow;
 pub mod species;
 pub mod spline;
 pub mod tree;
+pub mod texture;

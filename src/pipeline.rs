@@ -11,7 +11,7 @@ use crate::mesh::{Flattener, Mesh, TooLarge};
 use crate::report::{Cancelled, Progress, Warning};
 use crate::shadow::{self, Shadows};
 use crate::species::schema::{LeafLook, Species};
-use crate::texture::{self, BarkTexture, LeafTexture};
+use crate::texture;
 use crate::tree::{self, GrowError, Limits, Tree};
 
 /// What to make of a species.
@@ -170,7 +170,7 @@ impl LeafArtwork for Artwork<'_> {
     fn draw(&self, kind: usize, width: u32, height: u32) -> Image<Texel> {
         let leaf = &self.species.leaves[kind];
         match (&leaf.look, &self.images[kind]) {
-            (LeafLook::Drawn(art), _) => LeafTexture::draw(leaf, art, self.seed, width, height),
+            (LeafLook::Drawn(art), _) => texture::leaf(leaf, art, self.seed, width, height),
             (LeafLook::Image(_), Some(image)) => texture::resized(image, width, height),
             (LeafLook::Image(_), None) => Image::filled(width, height, Texel::EMPTY),
         }
@@ -190,7 +190,7 @@ fn bark(
 ) -> Result<Vec<Image<Texel>>, GenerateError> {
     use crate::species::schema::Bark;
     let base = match &species.bark {
-        Bark::Drawn(art) => BarkTexture::draw(art, seed, size),
+        Bark::Drawn(art) => texture::bark(art, seed, size),
         Bark::Image { path, .. } => texture::resized(&read_image(path, files)?, size, size),
     };
     Ok(mips::chain(base, 10, ALPHA_CUTOFF))
