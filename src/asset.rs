@@ -76,10 +76,22 @@ impl Surface {
     pub fn of(texels: &Image<crate::image::Texel>) -> Self {
         let (albedo, (normal, (orm, extra))) = rayon::join(
             || texels.map(crate::image::Texel::albedo_bytes),
-            || (texels.map(crate::image::Texel::normal_bytes),
-                (texels.map(crate::image::Texel::orm_bytes), texels.map(crate::image::Texel::extra_bytes))),
+            || {
+                (
+                    texels.map(crate::image::Texel::normal_bytes),
+                    (
+                        texels.map(crate::image::Texel::orm_bytes),
+                        texels.map(crate::image::Texel::extra_bytes),
+                    ),
+                )
+            },
         );
-        Self { albedo, normal, orm, extra }
+        Self {
+            albedo,
+            normal,
+            orm,
+            extra,
+        }
     }
 }
 

@@ -19,5 +19,5 @@ pub mod rng;
 pub mod shadow;
 pub mod species;
 pub mod spline;
-pub mod tree;
 pub mod texture;
+pub mod tree;

@@ -77,7 +77,9 @@ pub enum GenerateError {
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
     /// No budget asked for got a LOD.
-    #[error("none of the budgets {budgets:?} gives a LOD; the smallest form has {smallest} triangles")]
+    #[error(
+        "none of the budgets {budgets:?} gives a LOD; the smallest form has {smallest} triangles"
+    )]
     NoLod {
         /// Budgets asked for.
         budgets: Vec<u64>,
@@ -105,12 +107,26 @@ pub fn generate(
     let bark = bark(species, seed, settings.bark_size, files)?;
     let plan = Plan::of(&tree);
     let height = species.bark.height_m();
-    let baked = capture::bake(&tree, &plan, &artwork, (&bark, height), &settings.captures, progress)?;
+    let baked = capture::bake(
+        &tree,
+        &plan,
+        &artwork,
+        (&bark, height),
+        &settings.captures,
+        progress,
+    )?;
     let chain = chain(species, settings, &tree)?;
     let lods = lods(&tree, &chain, &baked.quads, height)?;
     let mut warnings = baked.warnings;
     warnings.extend(chain.warnings);
-    let (shadows, warning) = shadows(species, settings, &tree, &baked.atlas, &baked.quads, progress)?;
+    let (shadows, warning) = shadows(
+        species,
+        settings,
+        &tree,
+        &baked.atlas,
+        &baked.quads,
+        progress,
+    )?;
     warnings.extend(warning);
     let mut atlas = baked.atlas;
     dilate(&mut atlas);
@@ -142,7 +158,10 @@ struct Artwork<'a> {
 const IMAGE_LIMIT: u64 = 1 << 26;
 
 fn read_image(path: &str, files: &dyn ImageFiles) -> Result<Image<Texel>, GenerateError> {
-    let fault = |reason: String| GenerateError::Image { path: path.to_owned(), reason };
+    let fault = |reason: String| GenerateError::Image {
+        path: path.to_owned(),
+        reason,
+    };
     let bytes = files.read(path).map_err(fault)?;
     let image = crate::image::png::decode(&bytes, IMAGE_LIMIT).map_err(fault)?;
     Ok(texture::texels_from_srgb(&image))
@@ -158,7 +177,11 @@ fn artwork<'a>(
         LeafLook::Image(path) => read_image(path, files).map(Some),
     };
     let images: Result<Vec<_>, GenerateError> = species.leaves.iter().map(image).collect();
-    Ok(Artwork { species, seed, images: images? })
+    Ok(Artwork {
+        species,
+        seed,
+        images: images?,
+    })
 }
 
 impl LeafArtwork for Artwork<'_> {
@@ -209,7 +232,12 @@ fn chain(species: &Species, settings: &Settings, tree: &Tree) -> Result<Chain, G
     Ok(chain)
 }
 
-fn lods(tree: &Tree, chain: &Chain, quads: &CrossQuads, height: f32) -> Result<Vec<AssetLod>, TooLarge> {
+fn lods(
+    tree: &Tree,
+    chain: &Chain,
+    quads: &CrossQuads,
+    height: f32,
+) -> Result<Vec<AssetLod>, TooLarge> {
     let lod = |lod: &crate::lod::ChainLod| {
         let form = quads.form(tree, &lod.state, height);
         Ok(AssetLod {
@@ -249,7 +277,9 @@ fn shadows(
 }
 
 fn leaf_triangles(tree: &Tree) -> u64 {
-    crate::lod::Counts::of(tree, 1).triangles(tree, &crate::lod::State::full(tree)).foliage
+    crate::lod::Counts::of(tree, 1)
+        .triangles(tree, &crate::lod::State::full(tree))
+        .foliage
 }
 
 /// The mesh that casts the shadows.
@@ -260,7 +290,10 @@ fn caster(
     selector: &Selector,
 ) -> Result<Mesh, TooLarge> {
     let chain = selector.chain(&[SHADOW_TRIANGLES], false);
-    let state = chain.lods.first().map_or_else(|| crate::lod::State::full(tree), |l| l.state.clone());
+    let state = chain
+        .lods
+        .first()
+        .map_or_else(|| crate::lod::State::full(tree), |l| l.state.clone());
     let form = quads.form(tree, &state, species.bark.height_m());
     Flattener::new(tree, &form).tree()
 }

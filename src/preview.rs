@@ -6,7 +6,9 @@
 use crate::asset::{Surface, TreeAsset};
 use crate::capture::{ALPHA_CUTOFF, Occlusion, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
-use crate::math::{Bounds, Vec2, Vec3, float, lerp, linear_from_srgb, smoothstep, srgb_from_linear};
+use crate::math::{
+    Bounds, Vec2, Vec3, float, lerp, linear_from_srgb, smoothstep, srgb_from_linear,
+};
 use crate::shadow;
 use rayon::prelude::*;
 
@@ -54,14 +56,15 @@ const SHADE_CELLS: u32 = 40;
 #[must_use]
 pub fn picture(asset: &TreeAsset, settings: &Settings) -> Image<[u8; 3]> {
     let stage = Stage::new(asset, settings);
-    stage.draw(&stage.frame(&asset.bounds))
+    stage.draw(&stage.frame())
 }
 
 /// All LODs side by side under the same camera, the finest on the left.
 #[must_use]
 pub fn strip(asset: &TreeAsset, settings: &Settings) -> Image<[u8; 3]> {
-    let pictures: Vec<Image<[u8; 3]>> =
-        (0..asset.lods.len()).map(|lod| picture(asset, &Settings { lod, ..*settings })).collect();
+    let pictures: Vec<Image<[u8; 3]>> = (0..asset.lods.len())
+        .map(|lod| picture(asset, &Settings { lod, ..*settings }))
+        .collect();
     side_by_side(&pictures)
 }
 
@@ -110,20 +113,35 @@ impl<'a> Stage<'a> {
         }
     }
 
-    fn frame(&self, bounds: &Bounds) -> View {
-        let Settings { size: [width, height], azimuth, elevation, supersample, .. } = *self.settings;
+    /// The camera, framed around the finest LOD as it is seen, not around its box.
+    fn frame(&self) -> View {
+        let Settings {
+            size: [width, height],
+            azimuth,
+            elevation,
+            supersample,
+            ..
+        } = *self.settings;
         let (sine, cosine) = libm::sincosf(azimuth);
         let (lift, level) = libm::sincosf(elevation);
         let right = Vec3::new(cosine, 0.0, -sine);
         let toward = Vec3::new(sine * level, lift, cosine * level);
         let up = toward.cross(right);
-        let corners = bounds.corners().map(|c| c - bounds.centre());
-        let reach = |axis: Vec3| corners.iter().map(|c| c.dot(axis).abs()).fold(0.0, f32::max);
+        let mesh = &self.asset.lods[0].mesh;
+        let points = mesh
+            .bark
+            .vertices
+            .iter()
+            .chain(&mesh.foliage.vertices)
+            .map(|v| Vec3::from(v.position));
+        let seen =
+            Bounds::of_points(points.map(|p| Vec3::new(p.dot(right), p.dot(up), p.dot(toward))));
+        let (middle, size) = (seen.centre(), seen.size());
         let aspect = float(width) / float(height);
         // A little air around the tree.
-        let half_height = (reach(up) * 1.06).max(reach(right) * 1.06 / aspect);
+        let half_height = (size.y * 0.53).max(size.x * 0.53 / aspect);
         View {
-            centre: bounds.centre(),
+            centre: right * middle.x + up * middle.y + toward * middle.z,
             right,
             up,
             half: [half_height * aspect, half_height],
@@ -134,7 +152,10 @@ impl<'a> Stage<'a> {
 
     fn draw(&self, view: &View) -> Image<[u8; 3]> {
         let mesh = &self.asset.lods[self.settings.lod.min(self.asset.lods.len() - 1)].mesh;
-        let textures = Textures { bark: &self.bark, foliage: &self.foliage };
+        let textures = Textures {
+            bark: &self.bark,
+            foliage: &self.foliage,
+        };
         let seen = Visibility::draw(mesh, textures, view);
         let n = self.settings.supersample;
         let [width, height] = self.settings.size;
@@ -151,7 +172,11 @@ impl<'a> Stage<'a> {
             (sum / float(n * n)).to_array().map(srgb_from_linear)
         };
         let row = |y: u32| (0..width).map(move |x| pixel(x, y));
-        Image::from_texels(width, height, (0..height).into_par_iter().flat_map_iter(row).collect())
+        Image::from_texels(
+            width,
+            height,
+            (0..height).into_par_iter().flat_map_iter(row).collect(),
+        )
     }
 
     fn lit(&self, texel: &Texel, point: Vec3, view: &View) -> Vec3 {
@@ -177,8 +202,11 @@ impl<'a> Stage<'a> {
         let reach = view.half[0].max(view.half[1]);
         let away = libm::hypotf(ground.x, ground.z);
         let near = 1.0 - smoothstep(0.35 * reach, 1.7 * reach, away);
-        let shadow: f32 =
-            self.shadow_weights.iter().map(|&(map, weight)| weight * self.shadow_at(map, ground)).sum();
+        let shadow: f32 = self
+            .shadow_weights
+            .iter()
+            .map(|&(map, weight)| weight * self.shadow_at(map, ground))
+            .sum();
         let lit = GROUND * (SUN * self.sun.y * (1.0 - shadow) + SKY * (1.0 - 0.4 * shadow));
         backdrop.lerp(lit, near)
     }
@@ -195,7 +223,9 @@ impl<'a> Stage<'a> {
             if x < 0.0 || y < 1.0 || x >= float(width) || y >= float(height) {
                 return 0.0;
             }
-            let at = map.image.at(crate::math::floor_to_u32(x), crate::math::floor_to_u32(y));
+            let at = map
+                .image
+                .at(crate::math::floor_to_u32(x), crate::math::floor_to_u32(y));
             f32::from(*at) / 255.0
         };
         let (x, y) = (u.floor(), v.floor());
@@ -217,20 +247,25 @@ impl Surface {
     pub fn texels(&self) -> Image<Texel> {
         let linear: Vec<f32> = (0..=255).map(linear_from_srgb).collect();
         let unit = |byte: u8| f32::from(byte) / 255.0;
-        let texels = self.albedo.texels().par_iter().enumerate().map(|(i, &[r, g, b, a])| {
-            let [nx, ny, nz] = self.normal.texels()[i].map(|n| unit(n) * 2.0 - 1.0);
-            let [occlusion, roughness, _] = self.orm.texels()[i].map(unit);
-            let [translucency, depth, _] = self.extra.texels()[i].map(unit);
-            Texel {
-                albedo: [r, g, b].map(|c| linear[usize::from(c)]),
-                alpha: unit(a),
-                normal: Vec3::new(nx, ny, nz).normalize_or(Vec3::Z).to_array(),
-                occlusion,
-                roughness,
-                translucency,
-                depth: depth * 2.0 - 1.0,
-            }
-        });
+        let texels = self
+            .albedo
+            .texels()
+            .par_iter()
+            .enumerate()
+            .map(|(i, &[r, g, b, a])| {
+                let [nx, ny, nz] = self.normal.texels()[i].map(|n| unit(n) * 2.0 - 1.0);
+                let [occlusion, roughness, _] = self.orm.texels()[i].map(unit);
+                let [translucency, depth, _] = self.extra.texels()[i].map(unit);
+                Texel {
+                    albedo: [r, g, b].map(|c| linear[usize::from(c)]),
+                    alpha: unit(a),
+                    normal: Vec3::new(nx, ny, nz).normalize_or(Vec3::Z).to_array(),
+                    occlusion,
+                    roughness,
+                    translucency,
+                    depth: depth * 2.0 - 1.0,
+                }
+            });
         Image::from_texels(self.albedo.width(), self.albedo.height(), texels.collect())
     }
 
@@ -239,6 +274,10 @@ impl Surface {
     pub fn albedo_mips(&self) -> Vec<Image<[u8; 4]>> {
         let levels = self.albedo.width().max(self.albedo.height()).ilog2() as usize + 1;
         let chain = mips::chain(self.texels(), levels, ALPHA_CUTOFF);
-        chain.iter().skip(1).map(|mip| mip.map(Texel::albedo_bytes)).collect()
+        chain
+            .iter()
+            .skip(1)
+            .map(|mip| mip.map(Texel::albedo_bytes))
+            .collect()
     }
 }

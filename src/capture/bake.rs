@@ -143,6 +143,7 @@ pub fn bake(
     let mut quads = CrossQuads::none(tree, leaf_rects.iter().map(uv).collect());
     progress.begin("captures", plan.subjects.len() as u64);
     let turns = standing(tree);
+    let thickness = tree.mean_thickness();
     let sources = sources(tree, plan, settings.source);
     for &level in sources.iter().flatten() {
         let level = tree.levels[level].name.clone();
@@ -182,8 +183,12 @@ pub fn bake(
                     supersample: settings.supersample,
                 };
                 let pair = [&rects[index * VIEWS], &rects[index * VIEWS + 1]];
-                let turn = &turns[subject_at(plan.subjects[index]).0];
-                let shots = studio.shoot(plan.subjects[index], sources[index], *turn, pair);
+                let (level, prototype) = subject_at(plan.subjects[index]);
+                let node = Node {
+                    turn: turns[level],
+                    thickness: thickness[level][prototype],
+                };
+                let shots = studio.shoot(plan.subjects[index], sources[index], node, pair);
                 progress.step();
                 shots
             })
@@ -408,6 +413,37 @@ struct Shot {
     quad: Quad,
 }
 
+/// The node that stands for all of its level in a capture.
+#[derive(Clone, Copy)]
+struct Node {
+    /// How the mean node stands in the world, where that matters.
+    turn: Quat,
+    /// Mean thickness of the prototype's nodes.
+    thickness: f32,
+}
+
+/// What both views of a subject share.
+struct Frame {
+    /// Bounds of the whole subject, metres.
+    bounds: Bounds,
+    /// Mean point of its branch's curve.
+    axis: Option<Vec3>,
+    /// Radius of a single branch as captured, metres; 0 for combined levels.
+    thick: f32,
+    /// Thickness of the captured node.
+    thickness: f32,
+}
+
+/// The mean point of a branch's curve.
+fn mean_axis(part: &Part) -> Option<Vec3> {
+    let Part::Branch(branch) = part else {
+        return None;
+    };
+    #[expect(clippy::cast_precision_loss, reason = "a few hundred samples")]
+    let count = branch.axis.len() as f32;
+    Some(branch.axis.iter().map(|s| s.position).sum::<Vec3>() / count)
+}
+
 /// All that is needed to draw any subject.
 struct Studio<'a> {
     tree: &'a Tree,
@@ -422,30 +458,35 @@ impl Studio<'_> {
         &self,
         subject: Subject,
         source: Option<usize>,
-        turn: Quat,
+        node: Node,
         rects: [&Rect; VIEWS],
     ) -> Result<[Shot; VIEWS], BakeError> {
         let (level, prototype) = subject_at(subject);
         let state = self.state(subject, source);
         let mut form = self.quads.form(self.tree, &state, self.bark_height);
-        let mesh = self.mesh(&form, level, prototype, turn)?;
+        let mesh = self.mesh(&form, level, prototype, node)?;
         let occlusion = Occlusion::of(&mesh);
         let part = &self.tree.prototype(level, prototype).part;
         let second = if matches!(subject, Subject::Combined { .. }) && strays(part, RIGHT[0]) {
             form.templates[level][prototype] = None;
-            Some(self.mesh(&form, level, prototype, turn)?)
+            Some(self.mesh(&form, level, prototype, node)?)
         } else {
             None
         };
         let thick = match (subject, part) {
-            (Subject::Branch { .. }, Part::Branch(branch)) => branch.radius,
+            (Subject::Branch { .. }, Part::Branch(branch)) => branch.radius * node.thickness,
             _ => 0.0,
         };
-        let bounds = mesh.bounds();
+        let frame = Frame {
+            bounds: mesh.bounds(),
+            axis: mean_axis(part),
+            thick,
+            thickness: node.thickness,
+        };
         let second = second.as_ref().unwrap_or(&mesh);
         Ok([
-            self.view(&mesh, &bounds, &occlusion, RIGHT[0], rects[0], thick),
-            self.view(second, &bounds, &occlusion, RIGHT[1], rects[1], thick),
+            self.view(&mesh, &frame, &occlusion, RIGHT[0], rects[0]),
+            self.view(second, &frame, &occlusion, RIGHT[1], rects[1]),
         ])
     }
 
@@ -473,16 +514,22 @@ impl Studio<'_> {
         form: &crate::mesh::Form,
         level: usize,
         prototype: usize,
-        turn: Quat,
+        node: Node,
     ) -> Result<Mesh, TooLarge> {
         let mut mesh = Mesh::default();
         let place = Similarity {
-            rotation: turn,
+            rotation: node.turn,
             ..Similarity::IDENTITY
         };
-        Flattener::new(self.tree, form).write(level, prototype, &place, &mut mesh)?;
-        if turn != Quat::IDENTITY {
-            let back = turn.conjugate();
+        Flattener::new(self.tree, form).write(
+            level,
+            prototype,
+            &place,
+            node.thickness,
+            &mut mesh,
+        )?;
+        if node.turn != Quat::IDENTITY {
+            let back = node.turn.conjugate();
             mesh.bark
                 .vertices
                 .iter_mut()
@@ -498,12 +545,12 @@ impl Studio<'_> {
     fn view(
         &self,
         mesh: &Mesh,
-        bounds: &Bounds,
+        frame: &Frame,
         occlusion: &Occlusion,
         right: Vec3,
         rect: &Rect,
-        thick: f32,
     ) -> Shot {
+        let bounds = &frame.bounds;
         let (width, height) = inner_size(rect);
         let size = bounds.size().max(Vec3::splat(1e-5));
         let half = [size.dot(right.abs()) * 0.5, size.y * 0.5];
@@ -517,13 +564,17 @@ impl Studio<'_> {
         };
         let seen = Visibility::draw(mesh, self.textures, &view);
         let mut image = self.resolve(&seen, mesh, &view, occlusion, (width, height));
-        let plane = mean_depth(&image);
+        // Where the branch itself stands, so that it is not seen beside itself; else in the mean.
+        let plane = frame.axis.map_or_else(
+            || mean_depth(&image),
+            |axis| (axis - view.centre).dot(view.toward()),
+        );
         let longer = (2.0 * half[0]).max(2.0 * half[1]);
         for texel in image.texels_mut().iter_mut().filter(|t| t.alpha > 0.0) {
             texel.depth = ((texel.depth - plane) / longer).clamp(-1.0, 1.0);
         }
         let centre = view.centre + view.toward() * plane;
-        let thick = thick.min(half[0] * 0.95);
+        let thick = frame.thick.min(half[0] * 0.95);
         Shot {
             image,
             quad: Quad {
@@ -531,6 +582,7 @@ impl Studio<'_> {
                 right,
                 half,
                 thick,
+                captured_thickness: frame.thickness,
                 uv: UvRect::ALL,
             },
         }

@@ -88,7 +88,9 @@ impl Occlusion {
     /// Replaces the density by one in finer cells; what is open to all directions stays as it was.
     pub fn refine(&mut self, mesh: &Mesh, cells: u32) {
         let coarse = core::mem::replace(self, Self::density_of(mesh, cells));
-        self.open = (0..self.density.len()).map(|i| coarse.open(self.middle(i))).collect();
+        self.open = (0..self.density.len())
+            .map(|i| coarse.open(self.middle(i)))
+            .collect();
     }
 
     fn gather(&mut self, primitive: &Primitive, coverage: f32) {

@@ -4,8 +4,7 @@
 //! Home of: Koniaris, Gaitatzes, Papaioannou 2009, section IV (replacement of sub-trees and branches by
 //! cross-quads).
 //!
-//! Changes versus the paper: each quad stands at the mean depth of what its capture shows, not at the
-//! branch's axis; a single branch's quad is widened by the node's thickness only by its radius, so that
+//! Changes versus the paper: each quad stands at the mean of the branch's curve rather than at its base; a single branch's quad is widened by the node's thickness only by its radius, so that
 //! a bend is not widened too.
 //!
 //! Cost: 4 triangles a node.

@@ -81,7 +81,11 @@ impl Selector {
     /// Triangles of the smallest form.
     #[must_use]
     pub fn smallest_triangles(&self) -> u64 {
-        self.ladder.iter().map(|(_, t)| t.total()).min().unwrap_or(0)
+        self.ladder
+            .iter()
+            .map(|(_, t)| t.total())
+            .min()
+            .unwrap_or(0)
     }
 
     /// The first state of the ladder within `budget` that is nowhere richer than `previous` and has

@@ -77,6 +77,8 @@ pub struct Quad {
     pub half: [f32; 2],
     /// The part of the half width that a node's thickness multiplies, metres.
     pub thick: f32,
+    /// Thickness of the node that was captured: at this thickness the quad has its half width.
+    pub captured_thickness: f32,
     /// Its part of the atlas.
     pub uv: UvRect,
 }
@@ -102,7 +104,7 @@ pub fn quads(quads: &[Quad]) -> Template {
                 axis: quad.centre
                     + across * (quad.half[0] - quad.thick)
                     + Vec3::Y * (y * quad.half[1]),
-                offset: across * quad.thick,
+                offset: across * (quad.thick / quad.captured_thickness),
                 normal,
                 tangent: quad.right,
                 uv,

@@ -115,11 +115,12 @@ impl<'a> Flattener<'a> {
     /// If 32-bit indices cannot address the result.
     pub fn tree(&self) -> Result<Mesh, TooLarge> {
         let mut mesh = Mesh::default();
-        self.write(0, 0, &Similarity::IDENTITY, &mut mesh)?;
+        self.write(0, 0, &Similarity::IDENTITY, 1.0, &mut mesh)?;
         Ok(mesh)
     }
 
-    /// Flattens one prototype's sub-tree, placed at `place`, into `mesh`, reusing its buffers.
+    /// Flattens one prototype's sub-tree, placed at `place` with its own tube `thickness` times as thick,
+    /// into `mesh`, reusing its buffers.
     ///
     /// # Errors
     /// If 32-bit indices cannot address the result.
@@ -128,6 +129,7 @@ impl<'a> Flattener<'a> {
         level: usize,
         prototype: usize,
         place: &Similarity,
+        thickness: f32,
         mesh: &mut Mesh,
     ) -> Result<(), TooLarge> {
         let [bark_v, bark_i, foliage_v, foliage_i] = self.sizes[level][prototype].counts;
@@ -152,7 +154,7 @@ impl<'a> Flattener<'a> {
                 base: 0,
             },
         };
-        self.node(level, prototype, place, 1.0, out);
+        self.node(level, prototype, place, thickness, out);
         Ok(())
     }
 

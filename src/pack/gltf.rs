@@ -45,7 +45,13 @@ pub(super) fn glb(
 }
 
 impl Document {
-    fn primitive(&mut self, primitive: &Primitive, name: &str, textures: &[PackFile; 3], embed: bool) {
+    fn primitive(
+        &mut self,
+        primitive: &Primitive,
+        name: &str,
+        textures: &[PackFile; 3],
+        embed: bool,
+    ) {
         if primitive.indices.is_empty() {
             return;
         }
@@ -84,13 +90,20 @@ impl Document {
     fn indices(&mut self, primitive: &Primitive) -> usize {
         let target = json!({ "target": ELEMENT_ARRAY_BUFFER });
         let narrow: Option<Vec<u16>> = if primitive.vertices.len() < usize::from(u16::MAX) {
-            primitive.indices.iter().map(|&i| u16::try_from(i).ok()).collect()
+            primitive
+                .indices
+                .iter()
+                .map(|&i| u16::try_from(i).ok())
+                .collect()
         } else {
             None
         };
         let (view, kind) = match narrow {
             Some(narrow) => (self.view(bytemuck::cast_slice(&narrow), target), U16),
-            None => (self.view(bytemuck::cast_slice(&primitive.indices), target), U32),
+            None => (
+                self.view(bytemuck::cast_slice(&primitive.indices), target),
+                U32,
+            ),
         };
         self.accessors.push(json!({
             "bufferView": view, "componentType": kind,
@@ -99,13 +112,20 @@ impl Document {
         self.accessors.len() - 1
     }
 
-    fn material(&mut self, name: &str, textures: &[PackFile; 3], foliage: bool, embed: bool) -> usize {
+    fn material(
+        &mut self,
+        name: &str,
+        textures: &[PackFile; 3],
+        foliage: bool,
+        embed: bool,
+    ) -> usize {
         let wrap = if foliage { CLAMP_TO_EDGE } else { REPEAT };
         self.samplers.push(json!({
             "magFilter": LINEAR, "minFilter": LINEAR_MIPMAP_LINEAR, "wrapS": wrap, "wrapT": wrap,
         }));
         let sampler = self.samplers.len() - 1;
-        let [albedo, normal, orm] = core::array::from_fn(|i| self.texture(&textures[i], sampler, embed));
+        let [albedo, normal, orm] =
+            core::array::from_fn(|i| self.texture(&textures[i], sampler, embed));
         let mut material = json!({
             "name": name,
             "pbrMetallicRoughness": {
@@ -126,7 +146,12 @@ impl Document {
     }
 
     fn texture(&mut self, file: &PackFile, sampler: usize, embed: bool) -> usize {
-        let stem = file.path.rsplit('/').next().unwrap_or(&file.path).trim_end_matches(".png");
+        let stem = file
+            .path
+            .rsplit('/')
+            .next()
+            .unwrap_or(&file.path)
+            .trim_end_matches(".png");
         let image = if embed {
             let view = self.view(&file.bytes, json!({}));
             json!({ "name": stem, "bufferView": view, "mimeType": "image/png" })
@@ -134,7 +159,8 @@ impl Document {
             json!({ "name": stem, "uri": file.path })
         };
         self.images.push(image);
-        self.textures.push(json!({ "sampler": sampler, "source": self.images.len() - 1 }));
+        self.textures
+            .push(json!({ "sampler": sampler, "source": self.images.len() - 1 }));
         self.textures.len() - 1
     }
 
@@ -168,14 +194,18 @@ impl Document {
         let mut text = serde_json::to_vec(&root)?;
         text.resize(text.len().next_multiple_of(4), b' ');
         let total = 12 + 8 + text.len() + 8 + self.bytes.len();
-        let (Ok(total), Ok(json_length), Ok(bin_length)) =
-            (u32::try_from(total), u32::try_from(text.len()), u32::try_from(self.bytes.len()))
-        else {
+        let (Ok(total), Ok(json_length), Ok(bin_length)) = (
+            u32::try_from(total),
+            u32::try_from(text.len()),
+            u32::try_from(self.bytes.len()),
+        ) else {
             return Ok(None);
         };
         let mut glb = Vec::with_capacity(total as usize);
         glb.extend(b"glTF");
-        [2, total, json_length].iter().for_each(|word: &u32| glb.extend(word.to_le_bytes()));
+        [2, total, json_length]
+            .iter()
+            .for_each(|word: &u32| glb.extend(word.to_le_bytes()));
         glb.extend(b"JSON");
         glb.extend(&text);
         glb.extend(bin_length.to_le_bytes());

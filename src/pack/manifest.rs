@@ -168,12 +168,14 @@ pub struct FileEntry {
 impl Manifest {
     /// Describes an asset and its files.
     pub(super) fn of(asset: &TreeAsset, files: &[PackFile]) -> Self {
-        let levels = level_summaries(&asset.tree).into_iter().map(|l| LevelEntry {
-            name: l.name,
-            kind: l.kind.to_owned(),
-            prototypes: l.prototypes,
-            nodes: l.nodes,
-        });
+        let levels = level_summaries(&asset.tree)
+            .into_iter()
+            .map(|l| LevelEntry {
+                name: l.name,
+                kind: l.kind.to_owned(),
+                prototypes: l.prototypes,
+                nodes: l.nodes,
+            });
         let lods = asset.lods.iter().enumerate().map(|(index, lod)| LodEntry {
             index,
             file: format!("{}_LOD{index}.glb", asset.slug),
@@ -226,7 +228,10 @@ impl Manifest {
 
 fn textures(asset: &TreeAsset, files: &[PackFile]) -> TexturesEntry {
     let path = |name: &str| format!("textures/{name}.png");
-    let mips = files.iter().map(|f| &f.path).filter(|p| p.starts_with("textures/mips/"));
+    let mips = files
+        .iter()
+        .map(|f| &f.path)
+        .filter(|p| p.starts_with("textures/mips/"));
     let size = |image: &crate::image::Image<[u8; 4]>| [image.width(), image.height()];
     TexturesEntry {
         bark: SurfaceEntry {
@@ -250,20 +255,30 @@ fn textures(asset: &TreeAsset, files: &[PackFile]) -> TexturesEntry {
 
 fn shadows(asset: &TreeAsset) -> ShadowsEntry {
     let (_, rects) = asset.shadows.atlas();
-    let maps = asset.shadows.maps.iter().zip(rects).map(|(map, rect)| ShadowMapEntry {
-        direction: map.direction.to_array(),
-        rect: [rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0],
-        trunk_base: map.trunk_base,
-        ground_rect_m: map.ground_rect_m,
-    });
-    ShadowsEntry { file: "textures/shadows.png".to_owned(), maps: maps.collect() }
+    let maps = asset
+        .shadows
+        .maps
+        .iter()
+        .zip(rects)
+        .map(|(map, rect)| ShadowMapEntry {
+            direction: map.direction.to_array(),
+            rect: [rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0],
+            trunk_base: map.trunk_base,
+            ground_rect_m: map.ground_rect_m,
+        });
+    ShadowsEntry {
+        file: "textures/shadows.png".to_owned(),
+        maps: maps.collect(),
+    }
 }
 
 /// SHA-256 in lower-case hexadecimal.
 pub(super) fn sha256(bytes: &[u8]) -> String {
     use core::fmt::Write as _;
-    Sha256::digest(bytes).iter().fold(String::with_capacity(64), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    Sha256::digest(bytes)
+        .iter()
+        .fold(String::with_capacity(64), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        })
 }

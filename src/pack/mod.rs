@@ -61,7 +61,11 @@ pub(crate) struct Textures {
 ///
 /// # Errors
 /// If an image or a GLB cannot be encoded.
-pub fn build(asset: &TreeAsset, script: &[u8], options: Options) -> Result<Vec<PackFile>, BuildError> {
+pub fn build(
+    asset: &TreeAsset,
+    script: &[u8],
+    options: Options,
+) -> Result<Vec<PackFile>, BuildError> {
     let (textures, extra) = textures(asset, options)?;
     let mut files = Vec::new();
     for (index, lod) in asset.lods.iter().enumerate() {
@@ -74,11 +78,20 @@ pub fn build(asset: &TreeAsset, script: &[u8], options: Options) -> Result<Vec<P
     files.extend(textures.bark);
     files.extend(textures.foliage);
     files.extend(extra);
-    files.push(PackFile { path: "species.ron".to_owned(), bytes: script.to_vec() });
+    files.push(PackFile {
+        path: "species.ron".to_owned(),
+        bytes: script.to_vec(),
+    });
     let preview = crate::preview::picture(asset, &crate::preview::Settings::default());
-    files.push(PackFile { path: "preview.png".to_owned(), bytes: png::encode(&preview)? });
-    let manifest = manifest::Manifest::of(asset, &files);
-    files.push(PackFile { path: "pack.json".to_owned(), bytes: manifest.to_json()? });
+    files.push(PackFile {
+        path: "preview.png".to_owned(),
+        bytes: png::encode(&preview)?,
+    });
+    let manifest = Manifest::of(asset, &files);
+    files.push(PackFile {
+        path: "pack.json".to_owned(),
+        bytes: manifest.to_json()?,
+    });
     Ok(files)
 }
 
@@ -89,14 +102,38 @@ fn textures(asset: &TreeAsset, options: Options) -> Result<(Textures, Vec<PackFi
     let opaque = asset.bark.albedo.map(|&[r, g, b, _]| [r, g, b]);
     let (shadow_atlas, _) = asset.shadows.atlas();
     let mut jobs: Vec<(String, Job<'_>)> = vec![
-        ("foliage_albedo".to_owned(), Box::new(|| png::encode(&asset.foliage.albedo))),
-        ("foliage_normal".to_owned(), Box::new(|| png::encode(&asset.foliage.normal))),
-        ("foliage_orm".to_owned(), Box::new(|| png::encode(&asset.foliage.orm))),
-        ("bark_albedo".to_owned(), Box::new(move || png::encode(&opaque))),
-        ("bark_normal".to_owned(), Box::new(|| png::encode(&asset.bark.normal))),
-        ("bark_orm".to_owned(), Box::new(|| png::encode(&asset.bark.orm))),
-        ("foliage_extra".to_owned(), Box::new(|| png::encode(&asset.foliage.extra))),
-        ("shadows".to_owned(), Box::new(move || png::encode(&shadow_atlas))),
+        (
+            "foliage_albedo".to_owned(),
+            Box::new(|| png::encode(&asset.foliage.albedo)),
+        ),
+        (
+            "foliage_normal".to_owned(),
+            Box::new(|| png::encode(&asset.foliage.normal)),
+        ),
+        (
+            "foliage_orm".to_owned(),
+            Box::new(|| png::encode(&asset.foliage.orm)),
+        ),
+        (
+            "bark_albedo".to_owned(),
+            Box::new(move || png::encode(&opaque)),
+        ),
+        (
+            "bark_normal".to_owned(),
+            Box::new(|| png::encode(&asset.bark.normal)),
+        ),
+        (
+            "bark_orm".to_owned(),
+            Box::new(|| png::encode(&asset.bark.orm)),
+        ),
+        (
+            "foliage_extra".to_owned(),
+            Box::new(|| png::encode(&asset.foliage.extra)),
+        ),
+        (
+            "shadows".to_owned(),
+            Box::new(move || png::encode(&shadow_atlas)),
+        ),
     ];
     if options.mips {
         for (level, mip) in asset.foliage.albedo_mips().into_iter().enumerate() {
@@ -106,10 +143,20 @@ fn textures(asset: &TreeAsset, options: Options) -> Result<(Textures, Vec<PackFi
     }
     let encoded: Result<Vec<PackFile>, BuildError> = jobs
         .par_iter()
-        .map(|(name, job)| Ok(PackFile { path: format!("textures/{name}.png"), bytes: job()? }))
+        .map(|(name, job)| {
+            Ok(PackFile {
+                path: format!("textures/{name}.png"),
+                bytes: job()?,
+            })
+        })
         .collect();
     let mut encoded = encoded?.into_iter();
-    let mut next = || encoded.next().unwrap_or(PackFile { path: String::new(), bytes: Vec::new() });
+    let mut next = || {
+        encoded.next().unwrap_or(PackFile {
+            path: String::new(),
+            bytes: Vec::new(),
+        })
+    };
     let foliage = [next(), next(), next()];
     let bark = [next(), next(), next()];
     Ok((Textures { bark, foliage }, encoded.collect()))

@@ -72,7 +72,12 @@ fn hint(error: &io::Error) -> &'static str {
 ///
 /// # Errors
 /// See [`WriteError`]. After an error the place holds what it held before.
-pub fn write(out: &Path, name: &str, files: &[PackFile], replace: Replace) -> Result<PathBuf, WriteError> {
+pub fn write(
+    out: &Path,
+    name: &str,
+    files: &[PackFile],
+    replace: Replace,
+) -> Result<PathBuf, WriteError> {
     let target = out.join(name);
     let io_at = |path: &Path| {
         let path = path.to_owned();
@@ -105,7 +110,10 @@ pub fn write(out: &Path, name: &str, files: &[PackFile], replace: Replace) -> Re
         if let Err(source) = fs::rename(temporary.path(), &target) {
             // Put back what was there; if even that fails, the first error says why.
             let _ = fs::rename(&aside, &target);
-            return Err(WriteError::Io { path: target, source });
+            return Err(WriteError::Io {
+                path: target,
+                source,
+            });
         }
     } else {
         fs::rename(temporary.path(), &target).map_err(io_at(&target))?;
@@ -141,11 +149,16 @@ fn may_replace(target: &Path, replace: Replace) -> Result<(), WriteError> {
     let text = fs::read(target.join("pack.json")).unwrap_or_default();
     let json: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
     if json["format"] != FORMAT {
-        return Err(WriteError::NotAPack { path: target.to_owned() });
+        return Err(WriteError::NotAPack {
+            path: target.to_owned(),
+        });
     }
     if replace == Replace::OwnPacks && json["version"] != VERSION {
         let found = json["version"].to_string();
-        return Err(WriteError::OtherVersion { path: target.to_owned(), found });
+        return Err(WriteError::OtherVersion {
+            path: target.to_owned(),
+            found,
+        });
     }
     Ok(())
 }
@@ -164,7 +177,10 @@ pub fn read_manifest(folder: &Path) -> Result<Manifest, String> {
     }
     if json["version"] != VERSION {
         let found = &json["version"];
-        return Err(format!("{} has version {found}; this program reads {VERSION}", path.display()));
+        return Err(format!(
+            "{} has version {found}; this program reads {VERSION}",
+            path.display()
+        ));
     }
     serde_json::from_value(json).map_err(|e| format!("{} is broken: {e}", path.display()))
 }

@@ -28,16 +28,23 @@ pub fn resized(image: &Image<Texel>, width: u32, height: u32) -> Image<Texel> {
         let high = floor_to_u32((float(at) + 1.0) * step - 1e-3).clamp(low, from - 1);
         (low, high)
     };
-    let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| {
-        let (x0, x1) = span(x, width, image.width());
-        let (y0, y1) = span(y, height, image.height());
-        mean(image, (x0, x1), (y0, y1))
-    });
+    let texels = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let (x0, x1) = span(x, width, image.width());
+            let (y0, y1) = span(y, height, image.height());
+            mean(image, (x0, x1), (y0, y1))
+        });
     Image::from_texels(width, height, texels.collect())
 }
 
 fn mean(image: &Image<Texel>, (x0, x1): (u32, u32), (y0, y1): (u32, u32)) -> Texel {
-    let mut sum = Texel { albedo: [0.0; 3], alpha: 0.0, roughness: 0.0, ..*image.at(x0, y0) };
+    let mut sum = Texel {
+        albedo: [0.0; 3],
+        alpha: 0.0,
+        roughness: 0.0,
+        ..*image.at(x0, y0)
+    };
     let (mut weights, mut count) = (0.0, 0.0);
     for y in y0..=y1 {
         for x in x0..=x1 {

@@ -82,6 +82,8 @@ pub(super) struct Recipe<'a> {
     pub(super) collar: (f32, f32),
     /// Largest radius of the very first ring that stays hidden in every parent, metres.
     pub(super) hidden: f32,
+    /// True to stand upright at the base whatever the curve does: a trunk on the ground.
+    pub(super) upright: bool,
     pub(super) flare: Option<Flare>,
     pub(super) flutes: Option<Flutes>,
     pub(super) phase: f32,
@@ -100,7 +102,7 @@ impl Branch {
     /// Builds the curve, frames, radii and ring LODs. `None` if the control points coincide.
     pub(super) fn build(recipe: &Recipe<'_>) -> Option<Self> {
         let curve = CatmullRom::new(recipe.control, recipe.knots)?;
-        let mut axis = framed(&curve.samples(), recipe.length)?;
+        let mut axis = framed(&curve.samples(), recipe.length, recipe.upright)?;
         for sample in &mut axis {
             sample.radius = recipe.radius_at(sample.t);
         }
@@ -230,7 +232,7 @@ fn count(lobes: u32) -> f32 {
 
 /// Scales a polyline to `length`, moves its start to the origin and gives each point its part of the
 /// arc length and a rotation-minimising frame (double reflection: Wang et al. 2008).
-fn framed(points: &[Vec3], length: f32) -> Option<Vec<AxisSample>> {
+fn framed(points: &[Vec3], length: f32, upright: bool) -> Option<Vec<AxisSample>> {
     let raw: f32 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
     if !(raw > 0.0 && raw.is_finite()) {
         return None;
@@ -239,6 +241,9 @@ fn framed(points: &[Vec3], length: f32) -> Option<Vec<AxisSample>> {
     let first = points[0];
     let at: Vec<Vec3> = points.iter().map(|&p| (p - first) * scale).collect();
     let tangent = |i: usize| {
+        if upright && i == 0 {
+            return Vec3::Y;
+        }
         let before = at[i.saturating_sub(1)];
         let after = at[(i + 1).min(at.len() - 1)];
         (after - before).normalize_or(Vec3::Y)

@@ -71,6 +71,44 @@ impl Tree {
         nodes
     }
 
+    /// Mean thickness with which each prototype is placed, by level.
+    #[must_use]
+    pub fn mean_thickness(&self) -> Vec<Vec<f32>> {
+        let mut sums: Vec<Vec<(f64, f64)>> = self
+            .levels
+            .iter()
+            .map(|l| vec![(0.0, 0.0); l.prototypes.len()])
+            .collect();
+        for (level, nodes) in self.levels.iter().zip(self.nodes()) {
+            for (prototype, count) in level.prototypes.iter().zip(nodes) {
+                #[expect(
+                    clippy::cast_precision_loss,
+                    reason = "a weight needs no more than 52 bits"
+                )]
+                let weight = count as f64;
+                for link in &prototype.links {
+                    let (sum, weights) = &mut sums[link.level as usize][link.prototype as usize];
+                    *sum += f64::from(link.thickness) * weight;
+                    *weights += weight;
+                }
+            }
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "a mean of floats fits a float"
+        )]
+        let mean = |&(sum, weights): &(f64, f64)| {
+            if weights > 0.0 {
+                (sum / weights) as f32
+            } else {
+                1.0
+            }
+        };
+        sums.iter()
+            .map(|level| level.iter().map(mean).collect())
+            .collect()
+    }
+
     /// Nodes below one prototype, by level.
     #[must_use]
     pub fn nodes_below(&self, level: usize, prototype: usize) -> SubtreeCounts {

@@ -291,6 +291,7 @@ fn branch(
         taper: &params.taper,
         collar: (params.collar, nominal.parent_radius),
         hidden,
+        upright: script.parent.is_none(),
         flare: params.flare,
         flutes: params.flutes,
         phase: key.unit(Parameter::Phase) * crate::math::TAU,
