@@ -6,11 +6,14 @@
 //!
 //! Gradient noise after Perlin, "Improving Noise" (2002); cellular noise after Worley, "A Cellular
 //! Texture Basis Function" (1996). Changes versus the papers: integer hashes instead of permutation
-//! tables; the distance to the border between the two nearest cells instead of F2 - F1, so that
-//! cracks along borders are equally wide everywhere.
+//! tables; the distance to the nearest border between cells instead of F2 - F1, so that cracks along
+//! borders are equally wide everywhere.
 
 use crate::math::floor_to_u32;
 use crate::rng::unit_from_bits;
+
+/// Offsets of the neighbouring cells.
+const STEPS: [f32; 3] = [-1.0, 0.0, 1.0];
 
 /// One noise field that repeats after `period` cells in x and y.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +27,7 @@ pub(super) struct Periodic {
 pub(super) struct Cell {
     /// Distance to the nearest cell's centre.
     pub(super) centre: f32,
-    /// Distance to the border with the second nearest cell.
+    /// Distance to the nearest border with another cell.
     pub(super) border: f32,
     /// A random number of the cell, 0..1.
     pub(super) id: f32,
@@ -93,35 +96,43 @@ impl Periodic {
         let before = |cell: u32, period: u32| if cell == 0 { period - 1 } else { cell - 1 };
         let columns = [before(x0, self.period[0]), x0, x1];
         let rows = [before(y0, self.period[1]), y0, y1];
-        let mut first = (f32::INFINITY, 0.0, 0.0, 0);
-        let mut second = first;
-        for (&row, dy) in rows.iter().zip([-1.0, 0.0, 1.0]) {
-            for (&column, dx) in columns.iter().zip([-1.0, 0.0, 1.0]) {
-                let bits = self.hash(column, row);
-                // 0.1..0.9 of a cell, so that no two centres coincide.
-                let place = |bits: u32| 0.1 + 0.8 * unit_from_bits(bits << 16);
-                let x = dx + place(bits) - fx;
-                let y = dy + place(bits >> 16) - fy;
-                let found = (x * x + y * y, x, y, bits);
-                if found.0 < first.0 {
-                    second = first;
-                    first = found;
-                } else if found.0 < second.0 {
-                    second = found;
-                }
+        let mut centres = [(0.0, 0.0, 0.0); 9];
+        let mut first = (f32::INFINITY, 0.0, 0.0);
+        let mut first_bits = 0;
+        for (i, centre) in centres.iter_mut().enumerate() {
+            let bits = self.hash(columns[i % 3], rows[i / 3]);
+            // 0.1..0.9 of a cell, so that no two centres coincide.
+            let place = |bits: u32| 0.1 + 0.8 * unit_from_bits(bits << 16);
+            let x = STEPS[i % 3] + place(bits) - fx;
+            let y = STEPS[i / 3] + place(bits >> 16) - fy;
+            *centre = (x * x + y * y, x, y);
+            if centre.0 < first.0 {
+                first = *centre;
+                first_bits = bits;
             }
         }
-        let (dx, dy) = (second.1 - first.1, second.2 - first.2);
-        let apart = (dx * dx + dy * dy).sqrt().max(1e-3);
+        // The nearest border need not be the one with the second nearest cell; taking that one
+        // would leave steps where the second nearest changes.
+        let mut border = f32::INFINITY;
+        for &(square, x, y) in &centres {
+            let (dx, dy) = (x - first.1, y - first.2);
+            let apart = dx * dx + dy * dy;
+            if apart > 0.0 {
+                border = border.min((square - first.0) / (2.0 * apart.sqrt()));
+            }
+        }
         Cell {
             centre: first.0.sqrt(),
-            border: (second.0 - first.0) / (2.0 * apart),
-            id: unit_from_bits(scramble(first.3)),
+            border,
+            id: unit_from_bits(scramble(first_bits)),
         }
     }
 
+    /// One round of mixing: twice as fast as [`scramble`], and even enough for gradients.
     fn hash(&self, x: u32, y: u32) -> u32 {
-        scramble(x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ self.seed)
+        let cell = x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ self.seed;
+        let mixed = (cell ^ (cell >> 15)).wrapping_mul(0x2c1b_3c6d);
+        mixed ^ (mixed >> 14)
     }
 }
 
@@ -151,7 +162,7 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// A bijective mixer of 32 bits (the finaliser of MurmurHash3).
+/// A bijective mixer of 32 bits (the finaliser of `MurmurHash3`).
 fn scramble(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
     x = (x ^ (x >> 13)).wrapping_mul(0xc2b2_ae35);
