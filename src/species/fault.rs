@@ -97,10 +97,7 @@ impl Source {
     /// Line and column of a byte, both from 1. A column is a character, a tab being one.
     #[must_use]
     pub fn line_column(&self, offset: usize) -> (usize, usize) {
-        let line = self
-            .lines
-            .partition_point(|&start| start <= offset)
-            .max(1);
+        let line = self.lines.partition_point(|&start| start <= offset).max(1);
         let start = self.lines.get(line - 1).copied().unwrap_or(0);
         let before = self.text.get(start..offset).unwrap_or("");
         (line, before.chars().count() + 1)
@@ -173,10 +170,9 @@ impl Faults {
         } else {
             format!("{}: {}", fault.path, fault.message)
         };
-        let mut group = Level::ERROR.primary_title(title).elements(Vec::<Snippet<
-            '_,
-            annotate_snippets::Annotation<'_>,
-        >>::new());
+        let mut group = Level::ERROR
+            .primary_title(title)
+            .elements(Vec::<Snippet<'_, annotate_snippets::Annotation<'_>>>::new());
         if let Some(source) = self.sources.get(fault.source) {
             let mut snippet = Snippet::source(source.text.as_str())
                 .path(source.name.as_str())
@@ -248,7 +244,9 @@ mod tests {
     #[test]
     fn every_span_of_a_text_can_be_rendered() {
         let text = "Ä(\r\n\t\"\u{1F333}\",\n\n)";
-        let edges: Vec<usize> = (0..=text.len()).filter(|&i| text.is_char_boundary(i)).collect();
+        let edges: Vec<usize> = (0..=text.len())
+            .filter(|&i| text.is_char_boundary(i))
+            .collect();
         for &start in &edges {
             for &end in edges.iter().filter(|&&end| end >= start) {
                 let fault = Fault::new(start..end, "a.b", "wrong").help("right");

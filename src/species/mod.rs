@@ -5,7 +5,15 @@
 //! A reader of our own, and not a `serde` one, because `serde` stops at the first fault, and because
 //! an editor that keeps comments needs the spans.
 
+mod decode;
 pub mod fault;
+pub mod fields;
+pub mod files;
+pub mod read;
 pub mod schema;
+pub mod spline_file;
 pub mod syntax;
 
+pub use fault::{Fault, Faults};
+pub use files::{Beside, Files, NoFiles};
+pub use read::parse;

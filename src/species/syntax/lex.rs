@@ -109,8 +109,8 @@ impl<'s> Lexer<'s> {
         while level > 0 {
             self.eat_while(|c| !matches!(c, '/' | '*'));
             if self.rest().is_empty() {
-                self.fault(start..start + 2, "this comment is never closed").help =
-                    Some("comments nest: each `/*` needs a `*/` of its own".into());
+                self.fault(start..start + 2, "this comment is never closed")
+                    .help = Some("comments nest: each `/*` needs a `*/` of its own".into());
                 return;
             }
             if self.eat("/*") {
@@ -276,8 +276,11 @@ impl<'s> Lexer<'s> {
             }
             if self.peek() != Some('\\') {
                 let end = self.source.get(..self.at).unwrap_or("").trim_end().len();
-                self.fault(start..end.max(start + 1), "this text is not closed on its line")
-                    .help = Some("end it with `\"`".into());
+                self.fault(
+                    start..end.max(start + 1),
+                    "this text is not closed on its line",
+                )
+                .help = Some("end it with `\"`".into());
                 self.push(Token::Bad, start);
                 return;
             }
@@ -347,7 +350,10 @@ impl<'s> Lexer<'s> {
             '“' | '”' | '„' | '«' | '»' | '‘' | '’' => {
                 self.at += c.len_utf8();
                 self.eat_while(|c| !matches!(c, '“' | '”' | '»' | '’' | '\n' | ',' | ')' | ']'));
-                if self.peek().is_some_and(|c| matches!(c, '“' | '”' | '»' | '’')) {
+                if self
+                    .peek()
+                    .is_some_and(|c| matches!(c, '“' | '”' | '»' | '’'))
+                {
                     self.at += self.peek().map_or(0, char::len_utf8);
                 }
                 help = Some("text is written in straight double quotes, `\"...\"`");

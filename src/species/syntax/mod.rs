@@ -99,7 +99,12 @@ impl Node {
             Kind::Bool(value) => format!("`{value}`"),
             Kind::None => "`None`".into(),
             Kind::Ident(name) => format!("the name `{name}`"),
-            Kind::Tuple { name: Some(name), .. } | Kind::Struct { name: Some(name), .. } => {
+            Kind::Tuple {
+                name: Some(name), ..
+            }
+            | Kind::Struct {
+                name: Some(name), ..
+            } => {
                 format!("`{name}(...)`")
             }
             Kind::Tuple { items, .. } if items.is_empty() => "`()`".into(),

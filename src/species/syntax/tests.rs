@@ -53,8 +53,14 @@ fn the_whole_subset_is_read() {
         "Foo(x: Some((1, None)), y: Bar, z: Baz(true), w: ())",
         "Foo(x:(1,None),y:Bar,z:Baz(true),w:())",
     );
-    reads_as(r##"["a\"\u{e9}\x41\n", r#"\"#, r"x"]"##, r#"["a\"éA\n","\\","x"]"#);
-    reads_as("{\"k\": 1, 2: [inf, -inf, NaN]}", "{\"k\":1,2:[inf,-inf,NaN]}");
+    reads_as(
+        r##"["a\"\u{e9}\x41\n", r#"\"#, r"x"]"##,
+        r#"["a\"éA\n","\\","x"]"#,
+    );
+    reads_as(
+        "{\"k\": 1, 2: [inf, -inf, NaN]}",
+        "{\"k\":1,2:[inf,-inf,NaN]}",
+    );
     reads_as("(true: 1, None: 2, inf: 3, )", "(true:1,None:2,inf:3)");
 }
 
@@ -63,7 +69,11 @@ fn spans_cover_exactly_the_values() {
     let source = "( é\u{20}";
     assert!(parse(source).0.is_none());
     let source = "(name: \"Öl\", b: Foo( 1 ))";
-    let Some(Node { kind: Kind::Struct { fields, .. }, span }) = parse(source).0 else {
+    let Some(Node {
+        kind: Kind::Struct { fields, .. },
+        span,
+    }) = parse(source).0
+    else {
         panic!("not a struct")
     };
     assert_eq!(&source[span], source);
@@ -75,7 +85,8 @@ fn spans_cover_exactly_the_values() {
 
 #[test]
 fn several_faults_of_syntax_are_reported_with_their_places() {
-    let source = "(\n  a: 5deg,\n  b = 2,\n  c 3\n  \"d\": “x”,\n  e: [1,, 2],\n  f: \"open,\n  g: 1\n)";
+    let source =
+        "(\n  a: 5deg,\n  b = 2,\n  c 3\n  \"d\": “x”,\n  e: [1,, 2],\n  f: \"open,\n  g: 1\n)";
     assert_eq!(
         report(source),
         "x:2:6: `5deg` is not a number
@@ -147,7 +158,9 @@ fn scalar() -> impl Strategy<Value = String> {
 /// Values of the subset, with some that are not quite.
 fn value() -> impl Strategy<Value = String> {
     scalar().prop_recursive(5, 48, 5, |inner| {
-        let item = (space(), inner, space()).prop_map(|(a, v, b)| format!("{a}{v}{b}")).boxed();
+        let item = (space(), inner, space())
+            .prop_map(|(a, v, b)| format!("{a}{v}{b}"))
+            .boxed();
         let comma = prop_oneof![3 => Just(""), 1 => Just(",")];
         let items = prop::collection::vec(item.clone(), 1..5);
         let field = ("[a-z_]{1,5}", space(), item).prop_map(|(k, s, v)| format!("{k}{s}:{v}"));

@@ -1,0 +1,279 @@
+//! A species from the tree of its script, with every fault that the script has.
+
+mod leaves;
+mod levels;
+mod shape;
+mod splines;
+
+use super::decode::{Fields, Report, Value};
+use super::fault::{Fault, Faults, Source};
+use super::fields::{
+    self, BUDGET, MAX_BUDGETS, MAX_NAME, MAX_NAMED, MAX_TOLERANCES, SIMPLIFICATIONS, TOLERANCE,
+};
+use super::files::Files;
+use super::schema::{FORMAT, Lod, Simplification, Species, Stems};
+use super::syntax::{self, Kind, Node};
+
+/// Largest script, bytes.
+const MAX_BYTES: usize = 8 << 20;
+
+/// Reads a species script.
+///
+/// `file_name` is used in reports only; files that the script names are asked of `files`.
+///
+/// # Errors
+/// All faults of the script and of the spline files that it names, in order.
+pub fn parse(file_name: &str, source: &str, files: &dyn Files) -> Result<Species, Faults> {
+    let sources = vec![Source::new(file_name, source)];
+    if source.len() > MAX_BYTES {
+        let length = source.len();
+        let message = format!("the script has {length} bytes; at most {MAX_BYTES} are read");
+        return Err(Faults::new(sources, vec![Fault::new(0..0, "", message)]));
+    }
+    let (root, faults) = syntax::parse(source);
+    let Some(root) = root else {
+        return Err(Faults::new(sources, faults));
+    };
+    let mut reader = Reader {
+        files,
+        sources,
+        out: Report::new(faults),
+    };
+    let species = species(&mut reader, &root);
+    let faults = reader.out.into_faults();
+    match species {
+        Some(species) if faults.is_empty() => Ok(species),
+        _ => Err(Faults::new(reader.sources, faults)),
+    }
+}
+
+/// What reading a script needs besides the script.
+struct Reader<'f> {
+    files: &'f dyn Files,
+    sources: Vec<Source>,
+    out: Report,
+}
+
+impl Reader<'_> {
+    /// Items of a list of named things.
+    fn named_items<'n>(&mut self, list: &Value<'n>, expected: &str) -> Vec<Value<'n>> {
+        let items = list.items(&mut self.out, expected);
+        if items.len() > MAX_NAMED {
+            let found = items.len();
+            let message = format!("the list has {found} items; at most {MAX_NAMED} are allowed");
+            self.out.push(list.fault(message));
+            return Vec::new();
+        }
+        items
+    }
+
+    /// The path of an image that must be there.
+    fn image(&mut self, fields: &Fields<'_>, name: &'static str) -> String {
+        let Some((path, value)) = fields.path(&mut self.out, name) else {
+            return String::new();
+        };
+        if let Err(reason) = self.files.exists(&path) {
+            self.out.push(value.fault(reason));
+        }
+        path
+    }
+}
+
+fn species(reader: &mut Reader<'_>, node: &Node) -> Option<Species> {
+    let root = Fields::open_plain(&mut reader.out, Value::new(node, ""), &fields::SPECIES);
+    if !matches!(node.kind, Kind::Struct { .. }) {
+        return None;
+    }
+    if let Some(fault) = foreign_format(&root) {
+        // The rest of a script in another language would only be reported as nonsense.
+        reader.out = Report::new(vec![fault]);
+        return None;
+    }
+    let out = &mut reader.out;
+    root.whole64(out, "format");
+    let name = root.name(out);
+    let latin = root.text(out, "latin");
+    let slug = slug(out, &root, &name);
+    let seed = root.whole64(out, "seed");
+    let stems = root.get("stems").map(|value| stems(out, value));
+    let bark = leaves::bark(reader, &root);
+    let (splines, spline_names) = splines::splines(reader, &root);
+    let (leaves, leaf_names) = leaves::leaves(reader, &root);
+    let known = levels::Known {
+        splines: &spline_names,
+        leaves: &leaf_names,
+    };
+    let out = &mut reader.out;
+    let levels = levels::levels(out, &root, &known);
+    let lod = root.read(out, "lod", |out, value, _| Some(lod(out, value)));
+    Some(Species {
+        name,
+        latin,
+        slug,
+        seed,
+        stems,
+        levels,
+        splines,
+        leaves,
+        bark,
+        lod: lod?,
+    })
+}
+
+/// A format other than ours, said in so many words. There is no older one to migrate from yet.
+fn foreign_format(root: &Fields<'_>) -> Option<Fault> {
+    let value = root.get("format")?;
+    let Kind::Number(text) = &value.node.kind else {
+        return None;
+    };
+    match text.parse::<u32>() {
+        Ok(format) if format > FORMAT => {
+            let message = format!(
+                "this script is in format {format}; this version of pleach reads up to {FORMAT}"
+            );
+            Some(value.fault(message).help("use a newer version of pleach"))
+        }
+        Ok(0) => {
+            let message = format!("there is no format 0; formats begin at 1, and {FORMAT} is read");
+            Some(value.fault(message))
+        }
+        _ => None,
+    }
+}
+
+/// The given slug, or one made from the name.
+fn slug(out: &mut Report, root: &Fields<'_>, name: &str) -> String {
+    let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    if let Some(value) = root.get("slug") {
+        let slug = root.text(out, "slug");
+        let ends = slug.starts_with('-') || slug.ends_with('-');
+        let bad = slug.is_empty() || ends || slug.len() > MAX_NAME || !slug.chars().all(allowed);
+        if bad && matches!(value.node.kind, Kind::Text(_)) {
+            let message = format!("`{slug}` cannot be a slug: it names files");
+            let fault = value.fault(message);
+            out.push(fault.help(format!(
+                "a-z, 0-9 and `-` (not first or last), at most {MAX_NAME} characters"
+            )));
+        }
+        return slug;
+    }
+    let mut slug = String::new();
+    for c in name.to_lowercase().chars() {
+        if allowed(c) && c != '-' {
+            slug.push(c);
+        } else if !slug.is_empty() && !slug.ends_with('-') {
+            slug.push('-');
+        }
+    }
+    let slug = slug.trim_end_matches('-').to_owned();
+    if slug.is_empty()
+        && !name.trim().is_empty()
+        && let Some(value) = root.get("name")
+    {
+        let fault = value.fault(format!("no file name can be made from `{name}`"));
+        out.push(fault.help("give a `slug` of a-z, 0-9 and `-`"));
+    }
+    slug
+}
+
+fn stems(out: &mut Report, value: Value<'_>) -> Stems {
+    let fields = Fields::open_plain(out, value, &fields::STEMS);
+    Stems {
+        count: fields.whole(out, "count"),
+        spread_m: fields.number(out, "spread_m"),
+        lean: fields.param(out, "lean"),
+        scale: fields.param(out, "scale"),
+    }
+}
+
+fn lod(out: &mut Report, value: &Value<'_>) -> Lod {
+    let fields = Fields::open_plain(out, value.clone(), &fields::LOD);
+    let budgets = fields.read(out, "budgets", |out, value, _| Some(budgets(out, value)));
+    let priorities = fields.read(out, "priorities", |out, value, _| {
+        Some(priorities(out, value))
+    });
+    let tolerances = fields.read(out, "tolerances", |out, value, _| {
+        Some(tolerances(out, value))
+    });
+    Lod {
+        budgets: budgets.unwrap_or_default(),
+        priorities: priorities.unwrap_or_default(),
+        tolerances: tolerances.unwrap_or_default(),
+    }
+}
+
+/// Items of a list that must have 1 to `most` of them.
+fn some_items<'n>(out: &mut Report, value: &Value<'n>, what: &str, most: usize) -> Vec<Value<'n>> {
+    let items = value.items(out, &format!("a list of {what}"));
+    if matches!(value.node.kind, Kind::List(_)) && !(1..=most).contains(&items.len()) {
+        let found = items.len();
+        out.push(value.fault(format!("expected 1 to {most} {what}, found {found}")));
+        return Vec::new();
+    }
+    items
+}
+
+fn budgets(out: &mut Report, value: &Value<'_>) -> Vec<u64> {
+    let mut budgets: Vec<u64> = Vec::new();
+    for item in some_items(out, value, "budgets", MAX_BUDGETS) {
+        if let Kind::Number(text) = &item.node.kind
+            && text.parse::<i64>().is_ok_and(|budget| budget < 4)
+        {
+            let message = format!(
+                "a budget of {text} triangles cannot be met: the smallest form, one cross-quad, \
+                 has {} triangles",
+                BUDGET.0
+            );
+            out.push(item.fault(message));
+            continue;
+        }
+        let Some(budget) = item.whole(out, BUDGET.0, BUDGET.1) else {
+            continue;
+        };
+        if let Some(&last) = budgets.last()
+            && budget >= last
+        {
+            let message = format!("budgets must fall: {budget} comes after {last}");
+            out.push(item.fault(message));
+        }
+        budgets.push(budget);
+    }
+    budgets
+}
+
+fn priorities(out: &mut Report, value: &Value<'_>) -> Vec<Simplification> {
+    let mut priorities = Vec::new();
+    for item in some_items(out, value, "simplifications", SIMPLIFICATIONS.len()) {
+        let simplification = match item.one_of(out, SIMPLIFICATIONS) {
+            Some("Splines") => Simplification::Splines,
+            Some("Branches") => Simplification::Branches,
+            Some(_) => Simplification::Levels,
+            None => continue,
+        };
+        if priorities.contains(&simplification) {
+            out.push(item.fault(format!("`{simplification:?}` is listed twice")));
+        }
+        priorities.push(simplification);
+    }
+    priorities
+}
+
+fn tolerances(out: &mut Report, value: &Value<'_>) -> Vec<f32> {
+    let mut tolerances: Vec<f32> = Vec::new();
+    for item in some_items(out, value, "tolerances", MAX_TOLERANCES) {
+        let Some(tolerance) = item.number(out, TOLERANCE) else {
+            continue;
+        };
+        if let Some(&last) = tolerances.last()
+            && tolerance <= last
+        {
+            let message = format!("tolerances must rise: {tolerance} comes after {last}");
+            out.push(item.fault(message));
+        }
+        tolerances.push(tolerance);
+    }
+    tolerances
+}
+
+#[cfg(test)]
+mod tests;
