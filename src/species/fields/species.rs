@@ -1,0 +1,150 @@
+//! Fields of the whole script, of splines and of the LOD chain.
+
+use super::Absent::{Fault, Means, Special};
+use super::Holds::{Angle, Factor, Number, OneOf, Other, Path, Text, Whole};
+use super::{FACTOR, Table, field, limits};
+
+/// A whole script.
+pub static SPECIES: Table = Table {
+    name: "Species",
+    doc: "One species: a tree as a list of branching levels.",
+    groups: &[&[
+        field(
+            "format",
+            Whole(0, u32::MAX as u64),
+            Fault,
+            "Version of the script language.",
+        ),
+        field("name", Text, Fault, "Common name."),
+        field("latin", Text, Means("\"\""), "Botanical name."),
+        field(
+            "slug",
+            Text,
+            Special,
+            "Name for files: a-z, 0-9 and `-`. Made from `name` if left out.",
+        ),
+        field(
+            "seed",
+            Whole(0, u64::MAX),
+            Means("1"),
+            "Seed used when none is given elsewhere.",
+        ),
+        field(
+            "stems",
+            Other("Stems"),
+            Special,
+            "Several stems out of one stool; one trunk if left out.",
+        ),
+        field(
+            "bark",
+            Other("Bark"),
+            Means("Ridged"),
+            "Bark of all branches.",
+        ),
+        field(
+            "splines",
+            Other("list of Spline"),
+            Fault,
+            "Named shapes of branches.",
+        ),
+        field(
+            "leaves",
+            Other("list of Leaf"),
+            Means("[]"),
+            "Named leaf kinds.",
+        ),
+        field(
+            "levels",
+            Other("list of Branch and Leaves"),
+            Fault,
+            "Branching levels, the trunk first.",
+        ),
+        field(
+            "lod",
+            Other("Lod"),
+            Means("()"),
+            "How the chain of LODs is made.",
+        ),
+    ]],
+};
+
+/// Stems of a multi-stemmed tree.
+pub static STEMS: Table = Table {
+    name: "Stems",
+    doc: "Several stems out of one stool.",
+    groups: &[&[
+        field("count", Whole(1, 64), Fault, "How many stems."),
+        field(
+            "spread_m",
+            Number(limits(0.0, 50.0, "metres")),
+            Means("0.3"),
+            "Radius of the ring they stand on.",
+        ),
+        field(
+            "lean",
+            Angle(limits(-90.0, 90.0, "degrees")),
+            Means("0"),
+            "Lean outward from the vertical; position 0 is the first stem, 1 the last.",
+        ),
+        field("scale", Factor(FACTOR), Means("1"), "Size of each stem."),
+    ]],
+};
+
+/// Names of the spline parametrisations.
+pub const KNOTS: &[&str] = &["Centripetal", "Uniform", "Chordal"];
+
+/// A named spline.
+pub static SPLINE: Table = Table {
+    name: "Spline",
+    doc: "A named shape of a branch; its size does not matter, only its form.",
+    groups: &[&[
+        field("name", Text, Fault, "Unique name."),
+        field(
+            "points",
+            Other("list of (x, y, z)"),
+            Special,
+            "Two control points or more, mainly along +y; this or `file`.",
+        ),
+        field(
+            "file",
+            Path,
+            Special,
+            "Text file with one control point a line; this or `points`.",
+        ),
+        field(
+            "knots",
+            OneOf(KNOTS),
+            Special,
+            "Parametrisation; Centripetal if neither this nor the file says.",
+        ),
+    ]],
+};
+
+/// Names of the simplifications.
+pub const SIMPLIFICATIONS: &[&str] = &["Splines", "Branches", "Levels"];
+
+/// How the LOD chain is made.
+pub static LOD: Table = Table {
+    name: "Lod",
+    doc: "How the chain of LODs is made.",
+    groups: &[&[
+        field(
+            "budgets",
+            Other("list of whole numbers"),
+            Means("[10000, 2000, 400, 4]"),
+            "Triangle budgets, falling.",
+        ),
+        field(
+            "priorities",
+            Other("list of Splines, Branches, Levels"),
+            Means("[Splines, Branches, Levels]"),
+            "Order in which simplifications are tried.",
+        ),
+        field(
+            "tolerances",
+            Other("list of numbers"),
+            Means("[0.004, 0.01, 0.025, 0.06, 0.15]"),
+            "Spline tolerances, as parts of the branch's length, rising.",
+        ),
+    ]],
+};
