@@ -161,7 +161,7 @@ fn wrong_types_tell_what_was_expected_and_found() {
     one_fault(
         "gnarl: 0.05",
         "gnarl: \"0.05\"",
-        &["expected a number, found text", "without quotes"],
+        &["expected a number, 0 to 1, found text", "without quotes"],
     );
     one_fault(
         "name: \"Olive\"",
@@ -303,9 +303,9 @@ fn levels_must_fit_together() {
         &["leaf level and carries nothing; say `on`", "on: \"limbs\""],
     );
     one_fault(
-        "\"limbs\", links",
-        "\"trunk\", on: \"trunk\", links",
-        &["two levels are named `trunk`", "first named here"],
+        "\"roots\", on",
+        "\"limbs\", on",
+        &["two levels are named `limbs`", "first named here"],
     );
     one_fault(
         "start: 0.5, end: 1.0",
@@ -466,12 +466,28 @@ fn places_are_right_behind_tabs_and_letters_of_several_bytes() {
         .filter(|line| !line.starts_with(' '))
         .collect();
     assert!(
-        places[0].starts_with("t.ron:2:80: x: unknown field"),
+        places[0].starts_with("t.ron:2:82: x: unknown field"),
         "{report}"
     );
     assert_eq!(
         places[1],
-        "t.ron:3:16: seed: expected a whole number, found `true`"
+        "t.ron:3:16: seed: expected a whole number, 0 to 18446744073709551615, found `true`"
+    );
+}
+
+#[test]
+fn a_file_of_nothing_but_faults_is_reported_briefly() {
+    for part in [",", "'x", "x: 1, ", "[, ", "5deg "] {
+        let source = format!("({})", part.repeat(200_000));
+        let faults = faults(&source).unwrap();
+        assert!((1..=1001).contains(&faults.list().len()), "{part}");
+        assert!(faults.render(false).len() < 1_000_000, "{part}");
+    }
+    let unknown = "\"no\", ".repeat(100_000);
+    one_fault(
+        "splines: [\"limb\"]",
+        &format!("splines: [{unknown}]"),
+        &["at most 256 items"],
     );
 }
 

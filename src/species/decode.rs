@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::fault::Fault;
+use super::fault::{Fault, MOST};
 use super::fields::{Absent, Field, Holds, Limits, Table};
 use super::syntax::{self, Kind, Node};
 
@@ -17,8 +17,16 @@ impl Report {
         Self { faults }
     }
 
+    /// Adds a fault, unless there are too many already.
     pub(super) fn push(&mut self, fault: Fault) {
-        self.faults.push(fault);
+        if !self.is_full() {
+            self.faults.push(fault);
+        }
+    }
+
+    /// True if there are too many faults for one more to matter.
+    pub(super) fn is_full(&self) -> bool {
+        self.faults.len() >= MOST
     }
 
     /// Faults so far: compare two counts to learn whether what lies between went well.
@@ -113,22 +121,23 @@ impl<'n> Value<'n> {
 
     /// A finite number within limits.
     pub(super) fn number(&self, out: &mut Report, limits: Limits) -> Option<f32> {
+        let Limits { min, max, unit } = limits;
+        let space = if unit.is_empty() { "" } else { " " };
+        let range = format!("{min} to {max}{space}{unit}");
         let Kind::Number(text) = &self.node.kind else {
-            self.mismatch(out, "a number");
+            self.mismatch(out, &format!("a number, {range}"));
             return None;
         };
         // A number too large for a float reads as infinite, and is out of every range.
         let number: f32 = text.replace('_', "").parse().unwrap_or(f32::NAN);
-        if (limits.min..=limits.max).contains(&number) {
+        if (min..=max).contains(&number) {
             // No negative zero: it prints oddly and means the same.
             return Some(number + 0.0);
         }
-        let Limits { min, max, unit } = limits;
-        let space = if unit.is_empty() { "" } else { " " };
         let message = if number.is_nan() || text.contains("inf") {
-            format!("`{text}` is not a finite number; expected {min} to {max}{space}{unit}")
+            format!("`{text}` is not a finite number; expected {range}")
         } else {
-            format!("{text} is out of range; expected {min} to {max}{space}{unit}")
+            format!("{text} is out of range; expected {range}")
         };
         out.push(self.fault(message));
         None
@@ -137,7 +146,7 @@ impl<'n> Value<'n> {
     /// A whole number within `min..=max`.
     pub(super) fn whole(&self, out: &mut Report, min: u64, max: u64) -> Option<u64> {
         let Kind::Number(text) = &self.node.kind else {
-            self.mismatch(out, "a whole number");
+            self.mismatch(out, &format!("a whole number, {min} to {max}"));
             return None;
         };
         let digits = text.replace('_', "");
@@ -290,6 +299,10 @@ impl<'n> Fields<'n> {
     }
 
     fn unknown(&mut self, out: &mut Report, entry: &syntax::Entry, path: &str) {
+        if out.is_full() {
+            // Looking for near names takes time.
+            return;
+        }
         let names = || self.table.fields().map(|field| field.name);
         let message = format!("unknown field `{}` in {}", entry.key, self.table.name);
         let list = names().collect::<Vec<_>>().join(", ");

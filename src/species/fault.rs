@@ -9,6 +9,12 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 /// Faults drawn in full by [`Faults::render`]; a file with more is told how many are left.
 const RENDERED: usize = 50;
 
+/// Faults kept of one file: more are of no use to anyone, and a hostile file could have millions.
+pub(super) const MOST: usize = 1000;
+
+/// Most characters of a message or a path: both may quote the script.
+const LONGEST: usize = 1200;
+
 /// One thing that is wrong with a script, or with a file that it names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
@@ -55,10 +61,15 @@ impl Fault {
     }
 }
 
-/// Messages quote the script: keep its control characters away from the terminal.
+/// Messages quote the script: keep its control characters away from the terminal, and its longest
+/// words within bounds.
 fn visible(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
+    let mut out = String::new();
+    for (index, c) in text.chars().enumerate() {
+        if index >= LONGEST {
+            out.push_str("...");
+            break;
+        }
         if c.is_control() {
             out.extend(c.escape_default());
         } else {

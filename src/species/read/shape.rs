@@ -280,7 +280,14 @@ impl<'n> Names<'n> {
         if index.is_none() {
             let what = self.what;
             let names = || self.names.iter().map(|(name, _)| name.as_str());
-            let list = names().collect::<Vec<_>>().join("`, `");
+            // In the order of the script, but a name that is taken twice only once.
+            let mut list: Vec<&str> = Vec::new();
+            for name in names() {
+                if !list.contains(&name) {
+                    list.push(name);
+                }
+            }
+            let list = list.join("`, `");
             let fault = value.fault(format!("no {what} is named `{name}`"));
             out.push(match nearest(name, names()) {
                 Some(near) => fault.help(format!("did you mean `{near}`?")),
@@ -296,6 +303,13 @@ impl<'n> Names<'n> {
         let before = out.count();
         let expected = format!("a list of {} names, or of (name, weight)", self.what);
         let items = list.items(out, &expected);
+        if items.len() > fields::MAX_NAMED {
+            let (found, most) = (items.len(), fields::MAX_NAMED);
+            out.push(list.fault(format!(
+                "a list to choose from has at most {most} items, found {found}"
+            )));
+            return Vec::new();
+        }
         let mut choices = Vec::with_capacity(items.len());
         for item in &items {
             let (name, weight) = match item.tuple(2) {

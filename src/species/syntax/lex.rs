@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::species::fault::Fault;
+use crate::species::fault::{Fault, MOST};
 
 /// One token; names and numbers are the source text of their span.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub(super) fn tokens(source: &str) -> (Vec<Spanned>, Vec<Fault>) {
         faults: Vec::new(),
     };
     lexer.header();
-    while lexer.next_token() {}
+    while lexer.faults.len() < MOST && lexer.next_token() {}
     (lexer.tokens, lexer.faults)
 }
 

@@ -13,7 +13,7 @@ mod parse;
 
 use std::ops::Range;
 
-use crate::species::fault::Fault;
+use crate::species::fault::{Fault, MOST};
 
 /// Deepest nesting of values that is read.
 pub const MAX_DEPTH: usize = 128;
@@ -122,6 +122,9 @@ impl Node {
 #[must_use]
 pub fn parse(source: &str) -> (Option<Node>, Vec<Fault>) {
     let (tokens, faults) = lex::tokens(source);
+    if faults.len() >= MOST {
+        return (None, faults);
+    }
     parse::Parser::new(source, &tokens, faults).document()
 }
 

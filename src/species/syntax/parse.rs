@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::lex::{Spanned, Token};
 use super::{Entry, Kind, MAX_DEPTH, Node};
-use crate::species::fault::Fault;
+use crate::species::fault::{Fault, MOST};
 
 /// The rest of the text cannot be told apart; the fault is reported.
 struct Stop;
@@ -112,8 +112,10 @@ impl<'s> Parser<'s> {
     }
 
     fn fault(&mut self, span: Range<usize>, message: impl Into<String>) {
-        let fault = Fault::new(span, &self.path, message);
-        self.faults.push(fault);
+        if self.faults.len() < MOST {
+            let fault = Fault::new(span, &self.path, message);
+            self.faults.push(fault);
+        }
     }
 
     fn advise(&mut self, help: &str) {
