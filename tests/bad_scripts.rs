@@ -92,6 +92,7 @@ fn one_fault(part: &str, with: &str, words: &[&str]) {
 fn a_good_script_has_no_fault() {
     let species = species::parse("t.ron", GOOD, &SHELF);
     let species = species.unwrap_or_else(|faults| panic!("{faults}"));
+    assert!(GOOD.parse::<ron::Value>().is_ok(), "it is RON");
     let parents: Vec<_> = species.levels.iter().map(|level| level.parent).collect();
     assert_eq!(parents, [None, Some(0), Some(1), Some(0)]);
     assert_eq!(species.splines[1].knots, species::schema::Knots::Chordal);
@@ -355,9 +356,9 @@ fn a_level_of_absurdly_many_nodes_is_refused() {
         } else {
             format!("x{}", level - 1)
         };
-        write!(
+        writeln!(
             extra,
-            "Branch(name: \"x{level}\", on: \"{on}\", links: 1000, splines: [\"limb\"], length_m: 1, radius_m: 1),\n"
+            "Branch(name: \"x{level}\", on: \"{on}\", links: 1000, splines: [\"limb\"], length_m: 1, radius_m: 1),"
         )
         .unwrap();
     }
