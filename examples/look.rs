@@ -4,13 +4,6 @@ use pleach::preview;
 use pleach::report::Quiet;
 use pleach::{pipeline, species};
 
-struct NoImages;
-impl pipeline::ImageFiles for NoImages {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
-
 fn main() {
     let args: Vec<String> = std::env::args().collect();
     let text = std::fs::read_to_string(&args[1]).expect("script");
@@ -18,7 +11,7 @@ fn main() {
         .parent()
         .expect("dir")
         .to_owned();
-    let species = match species::parse(&args[1], &text, &species::Beside(dir)) {
+    let species = match species::parse(&args[1], &text, &species::Beside(dir.clone())) {
         Ok(s) => s,
         Err(e) => {
             eprintln!("{}", e.render(false));
@@ -30,7 +23,8 @@ fn main() {
         full: args.len() > 3,
         ..Default::default()
     };
-    let asset = pipeline::generate(&species, &settings, &NoImages, &Quiet).expect("asset");
+    let asset =
+        pipeline::generate(&species, &settings, &species::Beside(dir), &Quiet).expect("asset");
     eprintln!("generate {:?} captures {}", t.elapsed(), asset.captures);
     for l in pleach::asset::level_summaries(&asset.tree) {
         eprintln!("{l:?}");

@@ -5,7 +5,10 @@
 //! becomes meshes, captures, a chain of LODs and shadows, and those become a pack of files.
 
 pub mod asset;
+pub mod batch;
 pub mod capture;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod image;
 pub mod impostor;
 pub mod lod;

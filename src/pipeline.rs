@@ -10,6 +10,7 @@ use crate::math::byte_from_unit;
 use crate::mesh::{Flattener, Mesh, TooLarge};
 use crate::report::{Cancelled, Progress, Warning};
 use crate::shadow::{self, Shadows};
+use crate::species::Files;
 use crate::species::schema::{LeafLook, Species};
 use crate::texture;
 use crate::tree::{self, GrowError, Limits, Tree};
@@ -45,15 +46,6 @@ impl Default for Settings {
             limits: Limits::default(),
         }
     }
-}
-
-/// Reads the image files that a script names; the pipeline itself touches no file.
-pub trait ImageFiles: Sync {
-    /// The bytes of a file named in the script.
-    ///
-    /// # Errors
-    /// In words, if there is no such file or it cannot be read.
-    fn read(&self, path: &str) -> Result<Vec<u8>, String>;
 }
 
 /// Why a tree could not be made.
@@ -98,7 +90,7 @@ pub enum GenerateError {
 pub fn generate(
     species: &Species,
     settings: &Settings,
-    files: &dyn ImageFiles,
+    files: &dyn Files,
     progress: &dyn Progress,
 ) -> Result<TreeAsset, GenerateError> {
     let seed = settings.seed.unwrap_or(species.seed);
@@ -157,12 +149,12 @@ struct Artwork<'a> {
 /// Image files of more texels are refused: 8192 x 8192.
 const IMAGE_LIMIT: u64 = 1 << 26;
 
-fn read_image(path: &str, files: &dyn ImageFiles) -> Result<Image<Texel>, GenerateError> {
+fn read_image(path: &str, files: &dyn Files) -> Result<Image<Texel>, GenerateError> {
     let fault = |reason: String| GenerateError::Image {
         path: path.to_owned(),
         reason,
     };
-    let bytes = files.read(path).map_err(fault)?;
+    let bytes = files.read_bytes(path).map_err(fault)?;
     let image = crate::image::png::decode(&bytes, IMAGE_LIMIT).map_err(fault)?;
     Ok(texture::texels_from_srgb(&image))
 }
@@ -170,7 +162,7 @@ fn read_image(path: &str, files: &dyn ImageFiles) -> Result<Image<Texel>, Genera
 fn artwork<'a>(
     species: &'a Species,
     seed: u64,
-    files: &dyn ImageFiles,
+    files: &dyn Files,
 ) -> Result<Artwork<'a>, GenerateError> {
     let image = |kind: &crate::species::schema::LeafKind| match &kind.look {
         LeafLook::Drawn(_) => Ok(None),
@@ -209,7 +201,7 @@ fn bark(
     species: &Species,
     seed: u64,
     size: u32,
-    files: &dyn ImageFiles,
+    files: &dyn Files,
 ) -> Result<Vec<Image<Texel>>, GenerateError> {
     use crate::species::schema::Bark;
     let base = match &species.bark {

@@ -18,6 +18,10 @@ impl Files for Shelf {
         )
     }
 
+    fn read_bytes(&self, path: &str) -> Result<Vec<u8>, String> {
+        self.read_text(path).map(String::into_bytes)
+    }
+
     fn exists(&self, path: &str) -> Result<(), String> {
         self.read_text(path).map(drop)
     }
@@ -92,6 +96,7 @@ fn one_fault(part: &str, with: &str, words: &[&str]) {
 fn a_good_script_has_no_fault() {
     let species = species::parse("t.ron", GOOD, &SHELF);
     let species = species.unwrap_or_else(|faults| panic!("{faults}"));
+    assert!(GOOD.parse::<ron::Value>().is_ok(), "it is RON");
     let parents: Vec<_> = species.levels.iter().map(|level| level.parent).collect();
     assert_eq!(parents, [None, Some(0), Some(1), Some(0)]);
     assert_eq!(species.splines[1].knots, species::schema::Knots::Chordal);
@@ -355,9 +360,9 @@ fn a_level_of_absurdly_many_nodes_is_refused() {
         } else {
             format!("x{}", level - 1)
         };
-        write!(
+        writeln!(
             extra,
-            "Branch(name: \"x{level}\", on: \"{on}\", links: 1000, splines: [\"limb\"], length_m: 1, radius_m: 1),\n"
+            "Branch(name: \"x{level}\", on: \"{on}\", links: 1000, splines: [\"limb\"], length_m: 1, radius_m: 1),"
         )
         .unwrap();
     }

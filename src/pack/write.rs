@@ -184,3 +184,18 @@ pub fn read_manifest(folder: &Path) -> Result<Manifest, String> {
     }
     serde_json::from_value(json).map_err(|e| format!("{} is broken: {e}", path.display()))
 }
+
+/// Checks that every file of a pack is there with the size and hash that its manifest says.
+///
+/// # Errors
+/// The first file that is not, in words.
+pub fn verify(folder: &Path, manifest: &Manifest) -> Result<(), String> {
+    for entry in &manifest.files {
+        let path = folder.join(&entry.path);
+        let bytes = fs::read(&path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
+        if bytes.len() as u64 != entry.bytes || super::manifest::sha256(&bytes) != entry.sha256 {
+            return Err(format!("{} is not what the manifest says", path.display()));
+        }
+    }
+    Ok(())
+}

@@ -4,16 +4,22 @@ use std::fs;
 use std::io::Read as _;
 use std::path::PathBuf;
 
-/// Largest text file that is read, bytes.
-const MAX_BYTES: u64 = 16 << 20;
+/// Largest file that is read, bytes.
+const MAX_BYTES: u64 = 128 << 20;
 
 /// Where the files named in a script come from. Paths are relative, with `/`, and never hold `..`.
-pub trait Files {
+pub trait Files: Sync {
     /// The text of a file.
     ///
     /// # Errors
     /// Why it cannot be read, and where it was looked for, in words for the author of the script.
     fn read_text(&self, path: &str) -> Result<String, String>;
+
+    /// The bytes of a file.
+    ///
+    /// # Errors
+    /// Why it cannot be read, and where it was looked for.
+    fn read_bytes(&self, path: &str) -> Result<Vec<u8>, String>;
 
     /// Whether a file is there.
     ///
@@ -42,6 +48,14 @@ impl Beside {
 
 impl Files for Beside {
     fn read_text(&self, path: &str) -> Result<String, String> {
+        let bytes = self.read_bytes(path)?;
+        String::from_utf8(bytes).map_err(|error| {
+            let at = error.utf8_error().valid_up_to();
+            format!("`{path}` is not text: byte {at} is not UTF-8")
+        })
+    }
+
+    fn read_bytes(&self, path: &str) -> Result<Vec<u8>, String> {
         self.exists(path)?;
         let cannot = |error: std::io::Error| format!("cannot read `{path}`: {error}");
         let file = fs::File::open(self.0.join(path)).map_err(cannot)?;
@@ -52,10 +66,7 @@ impl Files for Beside {
         if bytes.len() as u64 > MAX_BYTES {
             return Err(format!("`{path}` is larger than {MAX_BYTES} bytes"));
         }
-        String::from_utf8(bytes).map_err(|error| {
-            let at = error.utf8_error().valid_up_to();
-            format!("`{path}` is not text: byte {at} is not UTF-8")
-        })
+        Ok(bytes)
     }
 
     fn exists(&self, path: &str) -> Result<(), String> {
@@ -79,6 +90,10 @@ impl Files for NoFiles {
         Err(format!(
             "no such file `{path}`: this script has no folder to look in"
         ))
+    }
+
+    fn read_bytes(&self, path: &str) -> Result<Vec<u8>, String> {
+        self.read_text(path).map(String::into_bytes)
     }
 
     fn exists(&self, path: &str) -> Result<(), String> {

@@ -6,6 +6,7 @@
 //! an editor that keeps comments needs the spans.
 
 mod decode;
+pub mod edit;
 pub mod fault;
 pub mod fields;
 pub mod files;

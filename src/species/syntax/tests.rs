@@ -206,6 +206,21 @@ proptest! {
     }
 
     #[test]
+    fn a_scalar_has_the_value_that_ron_gives_it(source in scalar()) {
+        match parse(&source).0.map(|node| node.kind) {
+            Some(Kind::Text(text)) => {
+                prop_assert_eq!(ron::from_str::<String>(&source), Ok(text));
+            }
+            Some(Kind::Number(text)) => {
+                let ours: f32 = text.replace('_', "").parse().unwrap();
+                let theirs: f32 = ron::from_str(&source).unwrap();
+                prop_assert!(ours == theirs || ours.is_nan() && theirs.is_nan(), "{source}");
+            }
+            _ => {}
+        }
+    }
+
+    #[test]
     fn what_is_accepted_after_damage_ron_accepts_too(
         source in value(), at in any::<usize>(), length in 0_usize..4, with in "[\\[\\](){}:,\"a1.e_ +/*\n#-]{0,3}",
     ) {

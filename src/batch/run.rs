@@ -1,0 +1,174 @@
+//! Carries out a plan: workers take items one by one; one bad tree does not stop the rest.
+
+use super::jobs::{Item, Plan};
+use crate::asset::TreeAsset;
+use crate::pack::{self, Options, Replace, WriteError};
+use crate::pipeline::{self, GenerateError, Settings};
+use crate::report::Progress;
+use crate::species::Beside;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// How a plan is carried out.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// Folder of the packs.
+    pub out: PathBuf,
+    /// Workers; each makes one tree at a time on one thread, which is the best use of all cores.
+    pub threads: usize,
+    /// True to leave alone packs that are whole and made from the same script.
+    pub resume: bool,
+    /// What to do with packs that are there.
+    pub replace: Replace,
+    /// How packs are laid out.
+    pub pack: Options,
+    /// Settings that items start from.
+    pub settings: Settings,
+}
+
+/// What became of an item.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// Made: triangles of each LOD, and warnings.
+    Made {
+        /// Triangles by LOD.
+        triangles: Vec<u64>,
+        /// Warnings in words.
+        warnings: Vec<String>,
+    },
+    /// There already, whole.
+    Kept,
+    /// Not made.
+    Failed {
+        /// Why.
+        reason: String,
+        /// True if trying again may help.
+        machine: bool,
+    },
+    /// Not begun, or given up, because the batch was cancelled.
+    Cancelled,
+}
+
+/// Follows a run; called from the workers' threads.
+pub trait Observer: Sync {
+    /// Progress of the item that `worker` (from 0) begins now.
+    fn item<'a>(&'a self, worker: usize, item: &Item) -> Box<dyn Progress + 'a>;
+    /// `worker` is done with an item.
+    fn done(&self, worker: usize, item: &Item, outcome: &Outcome);
+    /// True if no further item should begin.
+    fn cancelled(&self) -> bool;
+}
+
+/// Carries out all items; outcomes in the plan's order.
+///
+/// # Errors
+/// If no worker thread can be started.
+pub fn run(
+    plan: &Plan,
+    options: &RunOptions,
+    observer: &dyn Observer,
+) -> std::io::Result<Vec<Outcome>> {
+    let next = AtomicUsize::new(0);
+    let outcomes = Mutex::new(vec![Outcome::Cancelled; plan.items.len()]);
+    let work = |worker: usize| {
+        while !observer.cancelled() {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            let Some(item) = plan.items.get(at) else {
+                break;
+            };
+            let outcome = one(item, options, observer, worker);
+            observer.done(worker, item, &outcome);
+            if let Ok(mut outcomes) = outcomes.lock() {
+                outcomes[at] = outcome;
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for worker in 0..options.threads.clamp(1, plan.items.len().max(1)) {
+            // A pool of one thread keeps a tree's inner parallelism from spreading over the others.
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .thread_name(|_| "pleach-tree".to_owned())
+                .build()
+                .map_err(std::io::Error::other)?;
+            std::thread::Builder::new()
+                .name(format!("pleach-worker-{worker}"))
+                .spawn_scoped(scope, move || pool.install(|| work(worker)))?;
+        }
+        Ok::<(), std::io::Error>(())
+    })?;
+    Ok(outcomes.into_inner().unwrap_or_default())
+}
+
+fn one(item: &Item, options: &RunOptions, observer: &dyn Observer, worker: usize) -> Outcome {
+    let progress = observer.item(worker, item);
+    if options.resume && is_whole(&options.out.join(&item.folder), item) {
+        return Outcome::Kept;
+    }
+    match make(item, options, &*progress) {
+        Ok(asset) => Outcome::Made {
+            triangles: asset.lods.iter().map(|l| l.triangles.total()).collect(),
+            warnings: asset.warnings.iter().map(ToString::to_string).collect(),
+        },
+        Err(failure) => failure,
+    }
+}
+
+fn make(item: &Item, options: &RunOptions, progress: &dyn Progress) -> Result<TreeAsset, Outcome> {
+    let failed = |reason: String| Outcome::Failed {
+        reason,
+        machine: false,
+    };
+    let species = item
+        .species
+        .as_ref()
+        .map_err(|faults| failed(faults.clone()))?;
+    let mut settings = options.settings.clone();
+    settings.seed = Some(item.seed);
+    settings.budgets = item.budgets.clone().or(settings.budgets);
+    if let Some(size) = item.texture_size {
+        settings.captures.atlas_size = size;
+    }
+    let files = Beside(item.path.parent().unwrap_or(Path::new("")).to_owned());
+    let asset = pipeline::generate(species, &settings, &files, progress).map_err(|error| {
+        if progress.cancelled() || matches!(error, GenerateError::Cancelled(_)) {
+            return Outcome::Cancelled;
+        }
+        failed(error.to_string())
+    })?;
+    let packed = pack::build(&asset, item.script.as_bytes(), options.pack)
+        .map_err(|error| failed(error.to_string()))?;
+    pack::write(&options.out, &item.folder, &packed, options.replace).map_err(
+        |error: WriteError| Outcome::Failed {
+            machine: error.is_machine_fault(),
+            reason: error.to_string(),
+        },
+    )?;
+    Ok(asset)
+}
+
+/// True if a pack was made from the item's script and all its files are what the manifest says.
+fn is_whole(folder: &Path, item: &Item) -> bool {
+    let Ok(manifest) = pack::read_manifest(folder) else {
+        return false;
+    };
+    let generator = concat!("pleach ", env!("CARGO_PKG_VERSION"));
+    let same_script = std::fs::read(folder.join("species.ron"))
+        .is_ok_and(|script| script == item.script.as_bytes());
+    let same_budgets = item.budgets.as_ref().is_none_or(|budgets| {
+        manifest
+            .lods
+            .iter()
+            .filter_map(|l| l.budget)
+            .all(|b| budgets.contains(&b))
+    });
+    let size = manifest.textures.foliage.size[0];
+    let same_size = item.texture_size.is_none_or(|wanted| wanted == size);
+    same_script
+        && same_budgets
+        && same_size
+        && manifest.generator == generator
+        && manifest.seed == item.seed
+        && pack::verify(folder, &manifest).is_ok()
+}

@@ -1,0 +1,184 @@
+//! The arguments of every command.
+
+use crate::batch::Shard;
+use clap::{Args as ClapArgs, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Grows trees from species scripts and flattens them into LOD packs under triangle budgets.
+#[derive(Debug, Parser)]
+#[command(name = "pleach", version, about, max_term_width = 100)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Grow one tree and write its pack: LODs, textures, shadows, manifest.
+    Generate(Generate),
+    /// Make many trees from a job list.
+    Batch(Batch),
+    /// Report all faults of species scripts.
+    Check(Check),
+    /// Tell what a species script or a pack holds.
+    Inspect(Inspect),
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Generate {
+    /// Species script (RON).
+    pub(crate) species: PathBuf,
+    /// Seed; the script's own without.
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Folder in which the pack's folder is made.
+    #[arg(long, default_value = "packs")]
+    pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) tree: Tree,
+    #[command(flatten)]
+    pub(crate) pack: Pack,
+    /// Threads; all cores without. The pack's bytes do not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Print the manifest to stdout.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What is made of a tree.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Tree {
+    /// Triangle budgets, falling, one LOD each; `full` first for full detail: `full,10000,400,4`.
+    #[arg(long, value_delimiter = ',')]
+    pub(crate) budgets: Option<Vec<String>>,
+    /// Edge of the foliage atlas, texels: a power of two.
+    #[arg(long, default_value_t = 1024)]
+    pub(crate) texture_size: u32,
+    /// What draws the captures.
+    #[arg(long, default_value = "auto", value_parser = ["cpu", "gpu", "auto"])]
+    pub(crate) baker: String,
+}
+
+/// How packs are laid out.
+#[derive(Clone, Copy, Debug, ClapArgs)]
+pub(crate) struct Pack {
+    /// Put the textures inside each GLB as well, so that it works as a single file.
+    #[arg(long)]
+    pub(crate) embed: bool,
+    /// Add mips of the foliage atlas that keep the coverage of its alpha.
+    #[arg(long)]
+    pub(crate) mips: bool,
+    /// Replace packs that another version wrote.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Batch {
+    /// Job list (RON).
+    pub(crate) jobs: PathBuf,
+    /// Folder in which the packs' folders are made.
+    #[arg(long)]
+    pub(crate) out: PathBuf,
+    /// Trees made at a time; as many as cores without.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Only a part of the list: I/N takes every N-th tree, beginning with the I-th.
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Leave alone packs that are whole already.
+    #[arg(long)]
+    pub(crate) resume: bool,
+    #[command(flatten)]
+    pub(crate) pack: Pack,
+    /// Print what became of every tree to stdout.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Check {
+    /// Species scripts.
+    #[arg(required = true)]
+    pub(crate) species: Vec<PathBuf>,
+    /// Print the faults to stdout.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Inspect {
+    /// Species script or pack folder.
+    pub(crate) path: PathBuf,
+    /// Seed, for a script; its own without.
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Triangle budgets, for a script.
+    #[arg(long, value_delimiter = ',')]
+    pub(crate) budgets: Option<Vec<String>>,
+    /// Print to stdout.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Budgets as asked for on a command line: whether full detail leads, and the numbers.
+pub(crate) type Budgets = (bool, Option<Vec<u64>>);
+
+/// Reads a list such as `full,10000,400,4`.
+pub(crate) fn budgets(words: Option<&[String]>) -> Result<Budgets, String> {
+    let Some(words) = words else {
+        return Ok((false, None));
+    };
+    let mut full = false;
+    let mut numbers = Vec::new();
+    for (index, word) in words.iter().enumerate() {
+        let word = word.trim();
+        if word == "full" && index == 0 {
+            full = true;
+        } else {
+            let number = word.parse().map_err(|_| {
+                format!("`{word}` is no triangle budget; write whole numbers, with `full` first if wanted")
+            })?;
+            numbers.push(number);
+        }
+    }
+    crate::batch::check_budgets(&numbers)?;
+    Ok((full, Some(numbers)))
+}
+
+/// Largest edge of an atlas: 64 million texels.
+const LARGEST_TEXTURE: u32 = 8192;
+
+/// Smallest edge of an atlas that holds anything.
+const SMALLEST_TEXTURE: u32 = 64;
+
+/// Checks an atlas edge.
+pub(crate) fn texture_size(size: u32) -> Result<u32, String> {
+    if size.is_power_of_two() && (SMALLEST_TEXTURE..=LARGEST_TEXTURE).contains(&size) {
+        return Ok(size);
+    }
+    let texels = u64::from(size) * u64::from(size);
+    Err(format!(
+        "a texture size of {size} would be an atlas of {texels} texels; write a power of two from \
+         {SMALLEST_TEXTURE} to {LARGEST_TEXTURE} (at most {} texels)",
+        u64::from(LARGEST_TEXTURE) * u64::from(LARGEST_TEXTURE)
+    ))
+}
+
+impl Pack {
+    pub(crate) fn options(self) -> crate::pack::Options {
+        crate::pack::Options {
+            embed: self.embed,
+            mips: self.mips,
+        }
+    }
+
+    pub(crate) fn replace(self) -> crate::pack::Replace {
+        if self.force {
+            crate::pack::Replace::AnyPack
+        } else {
+            crate::pack::Replace::OwnPacks
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! `pleach generate`.
+
+use super::args::{self, Generate};
+use super::progress::Bar;
+use super::{End, Failure, table};
+use crate::pack::{self, Manifest};
+use crate::pipeline::{self, GenerateError, Settings};
+use std::time::Instant;
+
+pub(crate) fn run(args: &Generate) -> Result<End, Failure> {
+    let begun = Instant::now();
+    super::use_threads(args.threads.map(usize::from))?;
+    let settings = settings(&args.tree, args.seed)?;
+    let script = super::read_script(&args.species)?;
+    let bar = Bar::alone(&script.species.name);
+    let asset = pipeline::generate(&script.species, &settings, &script.files, &bar)
+        .map_err(|error| failure(&args.species, &error))?;
+    let files =
+        pack::build(&asset, script.text.as_bytes(), args.pack.options()).map_err(Failure::input)?;
+    let name = pack::folder_name(&asset.slug, asset.seed);
+    let folder = pack::write(&args.out, &name, &files, args.pack.replace()).map_err(|error| {
+        if error.is_machine_fault() {
+            Failure::machine(error)
+        } else {
+            Failure::input(error)
+        }
+    })?;
+    drop(bar);
+    let manifest = pack::read_manifest(&folder).map_err(Failure::machine)?;
+    eprintln!("{}", super::inspect::manifest_text(&manifest));
+    for warning in &manifest.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let total = manifest.files.iter().map(|f| f.bytes).sum();
+    let seconds = begun.elapsed().as_secs_f32();
+    eprintln!(
+        "{} ({}) in {seconds:.1} s",
+        folder.display(),
+        table::bytes(total)
+    );
+    if args.json {
+        super::say(&json(&manifest, &folder)?)?;
+    }
+    Ok(End::Done)
+}
+
+fn json(manifest: &Manifest, folder: &std::path::Path) -> Result<serde_json::Value, Failure> {
+    let manifest = serde_json::to_value(manifest).map_err(Failure::machine)?;
+    Ok(serde_json::json!({ "folder": folder.display().to_string(), "pack": manifest }))
+}
+
+/// Settings from arguments; all of them are checked before any work.
+fn settings(tree: &args::Tree, seed: Option<u64>) -> Result<Settings, Failure> {
+    if tree.baker == "gpu" {
+        return Err(Failure::usage(
+            "--baker gpu: this build has no GPU backend; use --baker cpu, which needs no driver",
+        ));
+    }
+    let (full, budgets) = args::budgets(tree.budgets.as_deref()).map_err(Failure::usage)?;
+    let mut settings = Settings {
+        seed,
+        full,
+        budgets,
+        ..Settings::default()
+    };
+    settings.captures.atlas_size = args::texture_size(tree.texture_size).map_err(Failure::usage)?;
+    Ok(settings)
+}
+
+fn failure(path: &std::path::Path, error: &GenerateError) -> Failure {
+    Failure::input(format!("{}: {error}", path.display()))
+}

@@ -1,0 +1,172 @@
+//! Editing a script's text at one field, leaving comments, order and everything else as they are.
+
+use super::syntax::{self, Kind, Node};
+
+/// Why a field could not be set.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EditError {
+    /// The script cannot be read at all.
+    #[error("the script cannot be read; run `pleach check` on it")]
+    Unreadable,
+    /// The new value is no RON.
+    #[error("`{0}` is no value that a script could hold")]
+    BadValue(String),
+    /// The path leads nowhere.
+    #[error("`{path}`: there is no `{step}`; known here: {known}")]
+    NoSuchField {
+        /// Path asked for.
+        path: String,
+        /// Step that is not there.
+        step: String,
+        /// What is there.
+        known: String,
+    },
+    /// The path goes on where there is nothing to go into.
+    #[error("`{path}`: `{step}` stands in a plain value, which holds no fields")]
+    NotAStruct {
+        /// Path asked for.
+        path: String,
+        /// Step that leads into a plain value.
+        step: String,
+    },
+}
+
+/// The script with the field at `path` set to `value` (RON text).
+///
+/// Steps of a path are separated by `.`; an item of a list is named by its `name` field or by its
+/// number from 0: `levels.trunk.length_m`, `levels.0.length_m`. The last field may be absent and is then
+/// added.
+///
+/// # Errors
+/// See [`EditError`].
+pub fn set(source: &str, path: &str, value: &str) -> Result<String, EditError> {
+    let value = value.trim();
+    let (parsed, faults) = syntax::parse(value);
+    if parsed.is_none() || !faults.is_empty() {
+        return Err(EditError::BadValue(value.to_owned()));
+    }
+    let (root, faults) = syntax::parse(source);
+    let Some(root) = root.filter(|_| faults.is_empty()) else {
+        return Err(EditError::Unreadable);
+    };
+    let steps: Vec<&str> = path.split('.').collect();
+    let mut node = &root;
+    for (index, step) in steps.iter().enumerate() {
+        match child(node, step) {
+            Some(next) => node = next,
+            None if index + 1 == steps.len() => return added(source, node, path, step, value),
+            None => return Err(missing(node, path, step)),
+        }
+    }
+    Ok(spliced(source, node.span.clone(), value))
+}
+
+fn spliced(source: &str, span: std::ops::Range<usize>, text: &str) -> String {
+    format!("{}{text}{}", &source[..span.start], &source[span.end..])
+}
+
+/// The field or item that a step names.
+fn child<'n>(node: &'n Node, step: &str) -> Option<&'n Node> {
+    match &node.kind {
+        Kind::Struct { fields, .. } => fields.iter().find(|f| f.key == step).map(|f| &f.value),
+        Kind::List(items) => items
+            .iter()
+            .find(|item| name_of(item) == Some(step))
+            .or_else(|| {
+                step.parse::<usize>()
+                    .ok()
+                    .and_then(|index| items.get(index))
+            }),
+        _ => None,
+    }
+}
+
+/// The `name` field of a list's item.
+fn name_of(item: &Node) -> Option<&str> {
+    let Kind::Struct { fields, .. } = &item.kind else {
+        return None;
+    };
+    fields
+        .iter()
+        .find(|f| f.key == "name")
+        .and_then(|f| match &f.value.kind {
+            Kind::Text(text) => Some(text.as_str()),
+            _ => None,
+        })
+}
+
+/// A new field after the last one of a struct.
+fn added(
+    source: &str,
+    node: &Node,
+    path: &str,
+    step: &str,
+    value: &str,
+) -> Result<String, EditError> {
+    let Kind::Struct { fields, .. } = &node.kind else {
+        return Err(missing(node, path, step));
+    };
+    let is_name = step.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    match fields.last() {
+        // Straight after the last value, so that a comma or a comment behind it stays behind.
+        Some(last) if is_name && !step.is_empty() => {
+            let at = last.value.span.end;
+            Ok(spliced(source, at..at, &format!(", {step}: {value}")))
+        }
+        _ => Err(missing(node, path, step)),
+    }
+}
+
+fn missing(node: &Node, path: &str, step: &str) -> EditError {
+    let known: Vec<String> = match &node.kind {
+        Kind::Struct { fields, .. } => fields.iter().map(|f| f.key.clone()).collect(),
+        Kind::List(items) => items
+            .iter()
+            .enumerate()
+            .map(|(i, item)| name_of(item).map_or_else(|| i.to_string(), str::to_owned))
+            .collect(),
+        _ => {
+            return EditError::NotAStruct {
+                path: path.to_owned(),
+                step: step.to_owned(),
+            };
+        }
+    };
+    EditError::NoSuchField {
+        path: path.to_owned(),
+        step: step.to_owned(),
+        known: known.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCRIPT: &str = "( // a tree\n  name: \"A\",\n  levels: [\n    Branch(name: \"trunk\", length_m: 2.0, // tall\n    ),\n    Leaves(name: \"leaves\", links: 3),\n  ],\n)";
+
+    #[test]
+    fn a_value_changes_and_all_around_it_stays() {
+        let edited = set(SCRIPT, "levels.trunk.length_m", "3.5").unwrap();
+        assert_eq!(edited, SCRIPT.replace("2.0", "3.5"));
+        assert_eq!(
+            set(SCRIPT, "levels.1.links", " 9 ").unwrap(),
+            SCRIPT.replace("links: 3", "links: 9")
+        );
+    }
+
+    #[test]
+    fn an_absent_field_is_added_behind_the_last() {
+        let edited = set(SCRIPT, "levels.trunk.gnarl", "0.1").unwrap();
+        assert_eq!(edited, SCRIPT.replace("2.0,", "2.0, gnarl: 0.1,"));
+    }
+
+    #[test]
+    fn wrong_paths_and_values_are_explained() {
+        let message = |path, value| set(SCRIPT, path, value).unwrap_err().to_string();
+        assert!(message("levels.trunc.length_m", "1").contains("trunk, leaves"));
+        assert!(message("name.first", "1").contains("plain value"));
+        assert!(message("name", "1)").contains("no value"));
+        assert!(message("levels.9", "1").contains("there is no `9`"));
+    }
+}
