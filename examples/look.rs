@@ -70,7 +70,7 @@ fn main() {
     let p = preview::strip(&asset, &preview::Settings::default());
     eprintln!("strip {:?}", t.elapsed());
     std::fs::write(&args[2], pleach::image::png::encode(&p).unwrap()).unwrap();
-    let views: Vec<_> = [0.6f32, 2.2].iter().map(|&a| preview::picture(&asset, &preview::Settings { size: [900, 1100], azimuth: a, elevation: 0.08, ..Default::default() })).collect();
+    let views: Vec<_> = [0.6f32, 2.2].iter().map(|&a| preview::picture(&asset, &preview::Settings { size: if std::env::var("SIZE").is_ok() { [2400, 3000] } else { [900, 1100] }, azimuth: a, elevation: 0.08, ..Default::default() })).collect();
     std::fs::write(args[2].replace(".png", "_big.png"), pleach::image::png::encode(&preview::side_by_side(&views)).unwrap()).unwrap();
     let b = &asset.lods[0].mesh.bark.vertices;
     for h in [0.05f32, 0.5, 1.3] {
