@@ -176,6 +176,10 @@ fn own_points(part: &Part, points: &mut Vec<Vec3>) {
                     points.push(sample.position + sample.frame * out);
                 }
             }
+            if let Some(last) = branch.axis.last().filter(|_| branch.blunt) {
+                // The dome that closes a blunt end.
+                points.push(last.position + last.frame * Vec3::Y * (last.radius * 0.5));
+            }
         }
         Part::Leaf {
             length,
@@ -188,6 +192,10 @@ fn own_points(part: &Part, points: &mut Vec<Vec3>) {
             let other = Vec3::new(-side.x, 0.0, side.z);
             let tip = Vec3::Y * *length;
             points.extend([side, other, tip + side, tip + other]);
+            if *fold != 0.0 {
+                // The midrib lies below the two long edges.
+                points.extend([Vec3::ZERO, tip]);
+            }
         }
     }
 }
