@@ -8,6 +8,7 @@ mod bake;
 mod occlusion;
 mod plan;
 mod raster;
+mod studio;
 
 pub use bake::{BakeError, Baked, LeafArtwork, Settings, Source, bake};
 pub use occlusion::Occlusion;

@@ -412,14 +412,7 @@ fn script(path: &Path) -> Script {
     }
 }
 
-/// Image files in the folder of a script.
-pub(crate) struct Images(pub(crate) PathBuf);
-
-impl pleach::pipeline::ImageFiles for Images {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(self.0.join(path)).map_err(|error| error.to_string())
-    }
-}
+pub(crate) use pleach::species::Beside as Images;
 
 /// A quad of one square metre for every sub-tree and every branch: each state can be flattened
 /// without a capture.
