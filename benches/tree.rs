@@ -149,8 +149,10 @@ fn fill(mesh: &mut Mesh) {
         });
         let indices = primitive.indices.par_chunks_mut(CHUNK).enumerate();
         indices.for_each(|(chunk, indices)| {
-            for (at, index) in indices.iter_mut().enumerate() {
-                *index = (chunk + at) as u32;
+            let mut value = u32::try_from(chunk).unwrap_or(0);
+            for index in indices {
+                *index = value;
+                value = value.wrapping_add(1);
             }
         });
     }

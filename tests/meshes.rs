@@ -236,9 +236,11 @@ fn with_fault(plant: impl Fn(&mut Mesh)) -> Result<(), String> {
 
 #[test]
 fn the_mesh_checker_catches_planted_faults() {
-    let faults: [(&str, &str, fn(&mut Mesh)); 9] = [
+    type Plant = fn(&mut Mesh);
+    // What is planted, a word of the report, and how.
+    let faults: [(&str, &str, Plant); 9] = [
         ("an index past the end", "past", |m| {
-            m.bark.indices[7] = u32::MAX
+            m.bark.indices[7] = u32::MAX;
         }),
         ("a part of a triangle", "whole", |m| {
             m.foliage.indices.pop();
@@ -248,23 +250,23 @@ fn the_mesh_checker_catches_planted_faults() {
             m.bark.vertices.push(copy);
         }),
         ("NaN", "broken", |m| {
-            m.foliage.vertices[3].position[1] = f32::NAN
+            m.foliage.vertices[3].position[1] = f32::NAN;
         }),
         ("an endless uv", "broken", |m| {
-            m.bark.vertices[3].uv[0] = f32::INFINITY
+            m.bark.vertices[3].uv[0] = f32::INFINITY;
         }),
         ("a long normal", "broken", |m| {
             m.bark.vertices[5].normal = m.bark.vertices[5].normal.map(|x| x * 1.01);
         }),
         ("a handedness of 0", "broken", |m| {
-            m.foliage.vertices[9].tangent[3] = 0.0
+            m.foliage.vertices[9].tangent[3] = 0.0;
         }),
         ("a tangent along the normal", "leans", |m| {
             let [x, y, z] = m.foliage.vertices[2].normal;
             m.foliage.vertices[2].tangent = [x, y, z, 1.0];
         }),
         ("a uv outside the atlas", "outside", |m| {
-            m.foliage.vertices[1].uv[1] = 1.1
+            m.foliage.vertices[1].uv[1] = 1.1;
         }),
     ];
     for (what, word, plant) in faults {

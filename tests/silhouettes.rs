@@ -82,7 +82,7 @@ fn silhouette(script: &Script) -> String {
             })
             .count();
         let part = covered as f32 / float(SAMPLES * SAMPLES * 2);
-        let mark = floor_to_u32((part * float(MARKS.len() as u32 - 1)).ceil());
+        let mark = floor_to_u32((part * (MARKS.len() - 1) as f32).ceil());
         char::from(MARKS[mark as usize])
     };
     let mut text = format!(

@@ -85,7 +85,7 @@ pub(super) fn write_rigid(
 struct Motion {
     /// Turn and scale, then the shift; the fourth lane is not used.
     stretch: [[f32; 4]; 4],
-    /// Turn; the fourth lane is 0.
+    /// Turn; the fourth lane is not used.
     turn: [[f32; 4]; 3],
 }
 
@@ -108,19 +108,21 @@ impl Motion {
 
     #[inline]
     fn write(&self, point: Vec3, normal: Vec3, tangent: [f32; 4], uv: [f32; 2], out: &mut Vertex) {
-        let mix = |[x, y, z]: &[[f32; 4]; 3], v: [f32; 3], plus: [f32; 4]| -> [f32; 4] {
-            core::array::from_fn(|i| x[i] * v[0] + y[i] * v[1] + z[i] * v[2] + plus[i])
+        let mix = |[x, y, z]: &[[f32; 4]; 3], a: f32, b: f32, c: f32| -> [f32; 4] {
+            core::array::from_fn(|i| x[i] * a + y[i] * b + z[i] * c)
         };
-        let [x, y, z, shift] = self.stretch;
-        let [tx, ty, tz, handedness] = tangent;
-        let position = mix(&[x, y, z], point.to_array(), shift);
-        let normal = mix(&self.turn, normal.to_array(), [0.0; 4]);
-        let tangent = mix(&self.turn, [tx, ty, tz], [0.0, 0.0, 0.0, handedness]);
+        let [x, y, z, shift] = &self.stretch;
+        let position: [f32; 4] =
+            core::array::from_fn(|i| x[i] * point.x + y[i] * point.y + (z[i] * point.z + shift[i]));
+        let normal = mix(&self.turn, normal.x, normal.y, normal.z);
+        let handedness = tangent[3];
+        let tangent = mix(&self.turn, tangent[0], tangent[1], tangent[2]);
         // Whole lanes are stored, and the next attribute covers the lane that is not used.
         let out: &mut [f32; 12] = bytemuck::cast_mut(out);
         out[0..4].copy_from_slice(&position);
         out[3..7].copy_from_slice(&normal);
         out[6..10].copy_from_slice(&tangent);
+        out[9] = handedness;
         out[10..12].copy_from_slice(&uv);
     }
 }
