@@ -62,6 +62,15 @@ impl Failure {
         }
     }
 
+    /// A pack that could not be written: the machine's fault, or something stands in the way.
+    pub(crate) fn write(error: crate::pack::WriteError) -> Self {
+        if error.is_machine_fault() {
+            Self::machine(error)
+        } else {
+            Self::input(error)
+        }
+    }
+
     pub(crate) fn machine(message: impl ToString) -> Self {
         Self {
             end: End::Machine,
