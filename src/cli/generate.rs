@@ -38,14 +38,21 @@ pub(crate) fn run(args: &Generate) -> Result<End, Failure> {
         table::bytes(total)
     );
     if args.json {
-        super::say(&json(&manifest, &folder)?)?;
+        let folder = folder.display().to_string();
+        super::say(&Made {
+            folder,
+            pack: &manifest,
+        })?;
     }
     Ok(End::Done)
 }
 
-fn json(manifest: &Manifest, folder: &std::path::Path) -> Result<serde_json::Value, Failure> {
-    let manifest = serde_json::to_value(manifest).map_err(Failure::machine)?;
-    Ok(serde_json::json!({ "folder": folder.display().to_string(), "pack": manifest }))
+/// What `--json` tells. A structure and no JSON value, whose numbers would be widened to 64 bits and
+/// read otherwise than in `pack.json`.
+#[derive(serde::Serialize)]
+struct Made<'a> {
+    folder: String,
+    pack: &'a Manifest,
 }
 
 /// Settings from arguments; all of them are checked before any work.
