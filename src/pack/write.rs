@@ -90,19 +90,18 @@ pub fn write(
     check_place(out, name, replace)?;
     fs::create_dir_all(out).map_err(io_at(out))?;
     let (temporary, _lock) = temporary(out, name, ".tmp")?;
+    // Temporary folders are private to the user; a folder in it is as readable as any new one.
+    let pack = temporary.path().join(INSIDE);
+    fs::create_dir(&pack).map_err(io_at(&pack))?;
     for file in files {
-        let path = temporary.path().join(&file.path);
+        let path = pack.join(&file.path);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(io_at(folder))?;
         }
         write_file(&path, &file.bytes).map_err(io_at(&path))?;
     }
-    readable_by_all(temporary.path()).map_err(io_at(temporary.path()))?;
-    let target = out.join(name);
-    put(temporary.path(), out, name)?;
-    // The folder has moved: there is nothing left to remove under its old name.
-    let _ = temporary.keep();
-    Ok(target)
+    put(&pack, out, name)?;
+    Ok(out.join(name))
 }
 
 /// Moves a finished folder to its place, and what stood there out of the way.
@@ -113,13 +112,14 @@ fn put(finished: &Path, out: &Path, name: &str) -> Result<(), WriteError> {
     }
     // The old pack moves into a temporary folder of its own, which is then removed.
     let (old, _lock) = temporary(out, name, OLD)?;
-    let aside = old.path().join(ASIDE);
+    let aside = old.path().join(INSIDE);
     fs::rename(&target, &aside).map_err(io_at(&target))?;
-    fs::rename(finished, &target).map_err(|source| {
-        // Put back what was there; if even that fails, the first error says why.
-        let _ = fs::rename(&aside, &target);
-        io_at(&target)(source)
-    })
+    let moved = fs::rename(finished, &target);
+    // Put back what was there; if even that fails, keep it for a later sweep to put back.
+    if moved.is_err() && fs::rename(&aside, &target).is_err() && !target.exists() {
+        let _ = old.keep();
+    }
+    moved.map_err(io_at(&target))
 }
 
 fn io_at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
@@ -130,8 +130,8 @@ fn io_at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
 /// End of the name of a temporary folder that holds a replaced pack.
 const OLD: &str = ".old.tmp";
 
-/// The replaced pack in such a folder.
-const ASIDE: &str = "pack";
+/// The pack in a temporary folder.
+const INSIDE: &str = "pack";
 
 /// A hidden folder beside the pack's place, locked for as long as the second value lives, where the
 /// system can lock folders.
@@ -170,12 +170,12 @@ pub fn sweep(out: &Path, ours: impl Fn(&str) -> bool) {
         let Some((name, rest)) = parts else {
             continue;
         };
-        if !rest.ends_with("tmp") || !ours(name) || !left_behind(&entry.path()) {
+        if !rest.ends_with(".tmp") || !ours(name) || !left_behind(&entry.path()) {
             continue;
         }
         let target = out.join(name);
         if rest.ends_with(OLD) && !target.exists() {
-            let _ = fs::rename(entry.path().join(ASIDE), &target);
+            let _ = fs::rename(entry.path().join(INSIDE), &target);
         }
         let _ = fs::remove_dir_all(entry.path());
     }
@@ -198,18 +198,6 @@ fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.write_all(bytes)?;
     // Without this, a full disk may show itself only after the rename.
     file.sync_data()
-}
-
-/// Temporary folders are private to the user; a pack is as readable as any new folder.
-#[cfg(unix)]
-fn readable_by_all(folder: &Path) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-    fs::set_permissions(folder, fs::Permissions::from_mode(0o755))
-}
-
-#[cfg(not(unix))]
-fn readable_by_all(_folder: &Path) -> io::Result<()> {
-    Ok(())
 }
 
 /// Tells before any work whether the pack `name` may be written in the folder `out`.
