@@ -5,6 +5,7 @@ use crate::image::atlas::Rect;
 use crate::lod::Triangles;
 use crate::math::Bounds;
 use crate::mesh::Mesh;
+use crate::mesh::card::Relief;
 use crate::report::Warning;
 use crate::shadow::Shadows;
 use crate::tree::{Kind, Tree};
@@ -32,6 +33,8 @@ pub struct TreeAsset {
     pub bark: Surface,
     /// Part of the foliage atlas of each view of each capture, then of each leaf kind.
     pub rects: Vec<Rect>,
+    /// Captures in the atlas with their real sizes.
+    pub reliefs: Vec<Relief>,
     /// Nine soft ground shadows.
     pub shadows: Shadows,
     /// Bounds of the finest LOD, metres.

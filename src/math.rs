@@ -160,7 +160,10 @@ pub fn rotation_from_y(direction: Vec3) -> Quat {
 /// Linear light (0..=1) from an sRGB byte (IEC 61966-2-1).
 #[must_use]
 pub fn linear_from_srgb(byte: u8) -> f32 {
-    let x = f32::from(byte) / 255.0;
+    linear_from_unit_srgb(f32::from(byte) / 255.0)
+}
+
+fn linear_from_unit_srgb(x: f32) -> f32 {
     if x <= 0.04045 {
         x / 12.92
     } else {
@@ -168,17 +171,49 @@ pub fn linear_from_srgb(byte: u8) -> f32 {
     }
 }
 
-/// The sRGB byte of a linear value; clamps to 0..=1.
+/// The sRGB byte of a linear value; clamps to 0..=1, and takes NaN as 0.
+///
+/// Exact: the smallest linear value of each byte is looked up, not approximated.
 #[must_use]
 pub fn srgb_from_linear(x: f32) -> u8 {
-    let x = x.clamp(0.0, 1.0);
-    let y = if x <= 0.003_130_8 {
-        12.92 * x
-    } else {
-        1.055 * libm::powf(x, 1.0 / 2.4) - 0.055
-    };
-    byte_from_unit(y)
+    let steps = &*SRGB_STEPS;
+    let cell = floor_to_u32(x.clamp(0.0, 1.0) * SRGB_CELLS) as usize;
+    let mut byte = steps.first[cell];
+    while byte < u8::MAX && x >= steps.from[usize::from(byte) + 1] {
+        byte += 1;
+    }
+    byte
 }
+
+/// Cells of the table that leads to the right byte; fine enough for at most a few steps after it.
+const SRGB_CELLS: f32 = 4096.0;
+
+/// Where each sRGB byte begins on the linear scale.
+struct SrgbSteps {
+    /// The smallest linear value that rounds to each byte.
+    from: [f32; 256],
+    /// The byte at the start of each cell.
+    first: Vec<u8>,
+}
+
+static SRGB_STEPS: std::sync::LazyLock<SrgbSteps> = std::sync::LazyLock::new(|| {
+    let from: [f32; 256] = core::array::from_fn(|byte| match byte {
+        0 => 0.0,
+        #[expect(clippy::cast_precision_loss, reason = "a byte")]
+        byte => linear_from_unit_srgb((byte as f32 - 0.5) / 255.0),
+    });
+    let mut byte = 0_u8;
+    let first = (0..=floor_to_u32(SRGB_CELLS))
+        .map(|cell| {
+            let start = float(cell) / SRGB_CELLS;
+            while byte < u8::MAX && start >= from[usize::from(byte) + 1] {
+                byte += 1;
+            }
+            byte
+        })
+        .collect();
+    SrgbSteps { from, first }
+});
 
 /// 0..=255 from 0..=1, rounded; clamps, and takes NaN as 0.
 #[must_use]

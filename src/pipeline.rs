@@ -133,6 +133,7 @@ pub fn generate(
         foliage: Surface::of(&atlas),
         bark: Surface::of(&bark[0]),
         rects: baked.rects,
+        reliefs: baked.quads.reliefs(),
         shadows,
         warnings,
         tree,

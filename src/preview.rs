@@ -4,7 +4,7 @@
 //! baked shadows. Meant to show the shapes and textures honestly, not to be a renderer.
 
 use crate::asset::{Surface, TreeAsset};
-use crate::capture::{ALPHA_CUTOFF, Occlusion, Textures, View, Visibility};
+use crate::capture::{ALPHA_CUTOFF, Occlusion, Seen, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
 use crate::math::{
     Bounds, Vec2, Vec3, float, lerp, linear_from_srgb, smoothstep, srgb_from_linear,
@@ -155,6 +155,7 @@ impl<'a> Stage<'a> {
         let textures = Textures {
             bark: &self.bark,
             foliage: &self.foliage,
+            reliefs: &self.asset.reliefs,
         };
         let seen = Visibility::draw(mesh, textures, view);
         let n = self.settings.supersample;
@@ -164,7 +165,7 @@ impl<'a> Stage<'a> {
             for (sx, sy) in (0..n).flat_map(|j| (0..n).map(move |i| (x * n + i, y * n + j))) {
                 let sample = Vec2::new(float(sx) + 0.5, float(sy) + 0.5);
                 let light = match seen.surface(sx, sy, mesh, textures, view) {
-                    Some(texel) => self.lit(&texel, view.unproject(sample, texel.depth), view),
+                    Some(seen) => self.lit(&seen, view.unproject(sample, seen.texel.depth), view),
                     None => self.backdrop(sample, view),
                 };
                 sum += tone_mapped(light);
@@ -179,11 +180,17 @@ impl<'a> Stage<'a> {
         )
     }
 
-    fn lit(&self, texel: &Texel, point: Vec3, view: &View) -> Vec3 {
+    fn lit(&self, seen: &Seen, point: Vec3, view: &View) -> Vec3 {
+        let texel = &seen.texel;
         let [x, y, z] = texel.normal;
         let normal = view.right * x + view.up * y + view.toward() * z;
         let facing = normal.dot(self.sun);
-        let open = self.shade.open(point);
+        // A capture knows how much sky its parts see; single leaves and branches do not.
+        let open = if seen.captured {
+            1.0
+        } else {
+            self.shade.open(point)
+        };
         let sun = self.shade.transmittance(point, self.sun);
         let front = facing.max(0.0);
         let through = texel.translucency * (-facing).max(0.0);

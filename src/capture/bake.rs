@@ -166,6 +166,7 @@ pub fn bake(
     }
     for pass in passes.iter().filter(|p| !p.is_empty()) {
         let mut pyramid = mips::chain(atlas, MIPS, ALPHA_CUTOFF);
+        let reliefs = quads.reliefs();
         let drawn: Result<Vec<[Shot; VIEWS]>, BakeError> = pass
             .par_iter()
             .map(|&index| {
@@ -178,6 +179,7 @@ pub fn bake(
                     textures: Textures {
                         bark: bark.0,
                         foliage: &pyramid,
+                        reliefs: &reliefs,
                     },
                     bark_height: bark.1,
                     supersample: settings.supersample,
@@ -602,8 +604,8 @@ impl Studio<'_> {
             (0..width).map(move |x| {
                 let mut sum = Sum::default();
                 for (sx, sy) in (0..n).flat_map(|j| (0..n).map(move |i| (x * n + i, y * n + j))) {
-                    if let Some(texel) = seen.surface(sx, sy, mesh, self.textures, view) {
-                        sum.add(&texel);
+                    if let Some(seen) = seen.surface(sx, sy, mesh, self.textures, view) {
+                        sum.add(&seen.texel);
                     }
                 }
                 let mut texel = sum.mean(n * n);

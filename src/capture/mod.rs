@@ -12,4 +12,4 @@ mod raster;
 pub use bake::{BakeError, Baked, LeafArtwork, Settings, Source, bake};
 pub use occlusion::Occlusion;
 pub use plan::{Plan, Subject, VIEWS};
-pub use raster::{ALPHA_CUTOFF, Textures, View, Visibility};
+pub use raster::{ALPHA_CUTOFF, Seen, Textures, View, Visibility};

@@ -97,7 +97,10 @@ impl Plan {
 
 /// True if two branches differ by a uniform scale only, to a thousandth of their length.
 fn same_shape(a: &Branch, b: &Branch) -> bool {
-    if a.spline != b.spline || a.lobes != b.lobes || a.axis.len() != b.axis.len() {
+    // Where there are no lobes, their phase is drawn all the same, and means nothing.
+    let round = |b: &Branch| b.lobes.flutes.1 == 0.0 && b.lobes.buttresses.1 == 0.0;
+    let same_section = a.lobes == b.lobes || (round(a) && round(b));
+    if a.spline != b.spline || !same_section || a.axis.len() != b.axis.len() {
         return false;
     }
     let scale = a.length / b.length;

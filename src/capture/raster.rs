@@ -7,6 +7,7 @@
 use crate::image::scan::{self, Clip};
 use crate::image::{Image, Texel};
 use crate::math::{Vec2, Vec3, floor_to_u32};
+use crate::mesh::card::Relief;
 use crate::mesh::{Mesh, Primitive, Vertex};
 use rayon::prelude::*;
 
@@ -70,6 +71,17 @@ pub struct Textures<'a> {
     pub bark: &'a [Image<Texel>],
     /// The atlas; alpha-tested.
     pub foliage: &'a [Image<Texel>],
+    /// The captures in the atlas: what lies on them stands out of its plane by its depth offset.
+    pub reliefs: &'a [Relief],
+}
+
+/// The surface seen at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Normal in *view* axes (right, up, toward the viewer), depth in metres toward the viewer.
+    pub texel: Texel,
+    /// True if it lies on a capture, whose occlusion is that of all it shows.
+    pub captured: bool,
 }
 
 /// What each sample sees.
@@ -139,8 +151,7 @@ impl Visibility {
         (self.seen[at] != NOTHING).then(|| self.depth[at])
     }
 
-    /// The surface seen at a sample: normal in *view* axes (right, up, toward), facing the viewer, and
-    /// depth in metres. `None` where nothing is.
+    /// The surface seen at a sample, its normal facing the viewer. `None` where nothing is.
     #[must_use]
     pub fn surface(
         &self,
@@ -149,7 +160,7 @@ impl Visibility {
         mesh: &Mesh,
         textures: Textures<'_>,
         view: &View,
-    ) -> Option<Texel> {
+    ) -> Option<Seen> {
         let at = y as usize * self.width as usize + x as usize;
         let seen = self.seen[at];
         if seen == NOTHING {
@@ -182,16 +193,30 @@ impl Visibility {
         });
         let mut texel = *fetch(&mips[level], uv, is_foliage);
         texel.normal = view_normal(corners, b, &texel, view).to_array();
-        texel.depth = self.depth[at];
+        let relief = if is_foliage {
+            relief(textures.reliefs, uv)
+        } else {
+            None
+        };
+        texel.depth = self.depth[at] + texel.depth * relief.unwrap_or(0.0);
         texel.alpha = 1.0;
         if !is_foliage {
             texel.translucency = 0.0;
         }
-        Some(texel)
+        Some(Seen {
+            texel,
+            captured: relief.is_some(),
+        })
     }
 }
 
-/// The mapped normal of a point on a triangle, in view axes, turned to face the viewer.
+/// The longer side of the capture that a place in the atlas belongs to.
+fn relief(reliefs: &[Relief], [u, v]: [f32; 2]) -> Option<f32> {
+    let holds = |r: &&Relief| (r.uv.u0..=r.uv.u1).contains(&u) && (r.uv.v0..=r.uv.v1).contains(&v);
+    reliefs.iter().find(holds).map(|r| r.longer)
+}
+
+/// The mapped normal of a point on a triangle, in view axes, facing the viewer.
 fn view_normal(corners: [&Vertex; 3], b: [f32; 3], texel: &Texel, view: &View) -> Vec3 {
     let mix =
         |f: fn(&Vertex) -> Vec3| f(corners[0]) * b[0] + f(corners[1]) * b[1] + f(corners[2]) * b[2];
@@ -200,14 +225,21 @@ fn view_normal(corners: [&Vertex; 3], b: [f32; 3], texel: &Texel, view: &View) -
     let tangent = (tangent - normal * normal.dot(tangent)).normalize_or(Vec3::X);
     let bitangent = normal.cross(tangent) * corners[0].tangent[3];
     let [x, y, z] = texel.normal;
-    let world = (tangent * x + bitangent * y + normal * z).normalize_or(normal);
+    // The far side of a card mirrors the near one: its slopes stay, only its plane faces about. (A viewer
+    // that negates the whole normal, as glTF asks, would light the backs of quads from below.)
+    let facing = if normal.dot(view.toward()) < 0.0 {
+        -normal
+    } else {
+        normal
+    };
+    let world = (tangent * x + bitangent * y + facing * z).normalize_or(facing);
     let local = Vec3::new(
         world.dot(view.right),
         world.dot(view.up),
         world.dot(view.toward()),
     );
-    // The far side of a card is lit as seen from the viewer's side.
-    if local.z < 0.0 { -local } else { local }
+    // A slope that leans past the horizon is seen at the horizon.
+    Vec3::new(local.x, local.y, local.z.max(0.02)).normalize_or(Vec3::Z)
 }
 
 /// One thread's rows.

@@ -11,7 +11,7 @@
 
 use crate::lod::{Form as LodForm, State};
 use crate::math::Vec3;
-use crate::mesh::card::{self, Quad, UvRect};
+use crate::mesh::card::{self, Quad, Relief, UvRect};
 use crate::mesh::{Form, Template, tube};
 use crate::tree::{Kind, Part, Prototype, Tree};
 
@@ -64,6 +64,23 @@ impl CrossQuads {
             templates: templates.collect(),
             open: (0..tree.levels.len()).map(open).collect(),
         }
+    }
+
+    /// The captures' places in the atlas with their sizes.
+    #[must_use]
+    pub fn reliefs(&self) -> Vec<Relief> {
+        let relief = |quad: &Quad| Relief {
+            uv: quad.uv,
+            longer: 2.0 * quad.half[0].max(quad.half[1]),
+        };
+        let all = self
+            .combined
+            .iter()
+            .chain(&self.branches)
+            .flatten()
+            .flatten()
+            .flatten();
+        all.map(relief).collect()
     }
 
     fn geometry(&self, part: &Part, lod: usize, bark_height: f32) -> Option<Template> {

@@ -83,6 +83,15 @@ pub struct Quad {
     pub uv: UvRect,
 }
 
+/// One capture's place in the atlas and its size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relief {
+    /// Place in the atlas.
+    pub uv: UvRect,
+    /// Length of its longer side at scale 1, metres: the unit of its depth offsets.
+    pub longer: f32,
+}
+
 /// The quads of one node: upright (+Y up the image), each 2 triangles, seen from both sides.
 #[must_use]
 pub fn quads(quads: &[Quad]) -> Template {

@@ -3,9 +3,13 @@
 //! Every prototype's sub-tree has a known size in a given form, so each node knows its place in the
 //! output before it is written: the walk allocates nothing, splits the output between threads without
 //! locks, and gives the same bytes at any thread count.
+//!
+//! Small sub-trees, a twig's leaves say, are flattened once in the frame of what carries them and copied
+//! from there: one matrix for all of them instead of one for each. Where nodes turn toward gravity, only
+//! what hangs below them can be copied so.
 
-use super::template::{Material, Template};
-use super::{Mesh, Vertex};
+use super::template::{Material, Template, write_rigid};
+use super::{Mesh, Primitive, Vertex};
 use crate::math::Similarity;
 use crate::tree::{Link, Tree};
 
@@ -36,6 +40,10 @@ impl Sizes {
         Self {
             counts: core::array::from_fn(|i| self.counts[i] + other.counts[i]),
         }
+    }
+
+    fn vertices(self) -> usize {
+        self.counts[0] + self.counts[2]
     }
 
     fn is_zero(self) -> bool {
@@ -72,12 +80,18 @@ pub struct TooLarge {
 /// Output slices below this many vertices are written by one thread.
 const PARALLEL_ABOVE: usize = 16_384;
 
+/// What hangs on a prototype is flattened once if it has at most so many vertices. The copies are read
+/// over and over, so they should stay in a core's second cache.
+const CLUSTER_VERTICES: usize = 2048;
+
 /// A form made ready for one tree.
 #[derive(Debug)]
 pub struct Flattener<'a> {
     tree: &'a Tree,
     form: &'a Form,
     sizes: Vec<Vec<Sizes>>,
+    /// By level and prototype: all that hangs on it, in its frame, where that is small and rigid.
+    clusters: Vec<Vec<Option<Mesh>>>,
 }
 
 impl<'a> Flattener<'a> {
@@ -100,7 +114,39 @@ impl<'a> Flattener<'a> {
                 sizes[level][index] = size;
             }
         }
-        Self { tree, form, sizes }
+        let clusters = tree
+            .levels
+            .iter()
+            .map(|l| vec![None; l.prototypes.len()])
+            .collect();
+        let mut flattener = Self {
+            tree,
+            form,
+            sizes,
+            clusters,
+        };
+        flattener.cluster();
+        flattener
+    }
+
+    /// Flattens what hangs on each prototype that is drawn more than once, from the leaves inward, as
+    /// long as it is small.
+    fn cluster(&mut self) {
+        let nodes = self.tree.nodes();
+        for level in (0..self.tree.levels.len()).rev() {
+            if !self.form.open[level] || self.tree.turns_below(level) {
+                continue;
+            }
+            for (prototype, &count) in nodes[level].iter().enumerate() {
+                let links = &self.tree.levels[level].prototypes[prototype].links;
+                let size = self.size_of_all(links);
+                if count > 1 && (1..=CLUSTER_VERTICES).contains(&size.vertices()) {
+                    let mut mesh = Mesh::default();
+                    self.links(links, &Similarity::IDENTITY, Out::of(&mut mesh, size));
+                    self.clusters[level][prototype] = Some(mesh);
+                }
+            }
+        }
     }
 
     /// Size of one prototype's sub-tree.
@@ -132,29 +178,12 @@ impl<'a> Flattener<'a> {
         thickness: f32,
         mesh: &mut Mesh,
     ) -> Result<(), TooLarge> {
-        let [bark_v, bark_i, foliage_v, foliage_i] = self.sizes[level][prototype].counts;
-        let vertices = bark_v.max(foliage_v);
+        let size = self.sizes[level][prototype];
+        let vertices = size.counts[0].max(size.counts[2]);
         if u32::try_from(vertices).is_err() {
             return Err(TooLarge { vertices });
         }
-        let zero: Vertex = bytemuck::Zeroable::zeroed();
-        mesh.bark.vertices.resize(bark_v, zero);
-        mesh.bark.indices.resize(bark_i, 0);
-        mesh.foliage.vertices.resize(foliage_v, zero);
-        mesh.foliage.indices.resize(foliage_i, 0);
-        let out = Out {
-            bark: Slot {
-                vertices: &mut mesh.bark.vertices,
-                indices: &mut mesh.bark.indices,
-                base: 0,
-            },
-            foliage: Slot {
-                vertices: &mut mesh.foliage.vertices,
-                indices: &mut mesh.foliage.indices,
-                base: 0,
-            },
-        };
-        self.node(level, prototype, place, thickness, out);
+        self.node(level, prototype, place, thickness, Out::of(mesh, size));
         Ok(())
     }
 
@@ -175,7 +204,9 @@ impl<'a> Flattener<'a> {
             template.write(place, thickness, slot.vertices, slot.indices, slot.base);
             out = rest;
         }
-        if self.form.open[level] {
+        if let Some(cluster) = &self.clusters[level][prototype] {
+            out.copy(cluster, place);
+        } else if self.form.open[level] {
             self.links(
                 &self.tree.levels[level].prototypes[prototype].links,
                 place,
@@ -187,10 +218,7 @@ impl<'a> Flattener<'a> {
     fn links(&self, links: &[Link], place: &Similarity, mut out: Out<'_>) {
         if links.len() > 1 && out.vertices() > PARALLEL_ABOVE {
             let (first, second) = links.split_at(links.len() / 2);
-            let size = first
-                .iter()
-                .fold(Sizes::default(), |sum, link| sum.plus(self.size_of(link)));
-            let (left, right) = out.split(size);
+            let (left, right) = out.split(self.size_of_all(first));
             rayon::join(
                 || self.links(first, place, left),
                 || self.links(second, place, right),
@@ -214,6 +242,12 @@ impl<'a> Flattener<'a> {
         }
     }
 
+    fn size_of_all(&self, links: &[Link]) -> Sizes {
+        links
+            .iter()
+            .fold(Sizes::default(), |sum, link| sum.plus(self.size_of(link)))
+    }
+
     fn size_of(&self, link: &Link) -> Sizes {
         self.sizes[link.level as usize][link.prototype as usize]
     }
@@ -228,6 +262,23 @@ struct Slot<'a> {
 }
 
 impl<'a> Slot<'a> {
+    fn of(primitive: &'a mut Primitive, vertices: usize, indices: usize) -> Self {
+        let zero: Vertex = bytemuck::Zeroable::zeroed();
+        primitive.vertices.resize(vertices, zero);
+        primitive.indices.resize(indices, 0);
+        Self {
+            vertices: &mut primitive.vertices,
+            indices: &mut primitive.indices,
+            base: 0,
+        }
+    }
+
+    fn copy(self, from: &Primitive, place: &Similarity) {
+        if !from.vertices.is_empty() {
+            write_rigid(from, place, self.vertices, self.indices, self.base);
+        }
+    }
+
     fn split(self, vertices: usize, indices: usize) -> (Self, Self) {
         let (v0, v1) = self.vertices.split_at_mut(vertices);
         let (i0, i1) = self.indices.split_at_mut(indices);
@@ -254,7 +305,21 @@ struct Out<'a> {
     foliage: Slot<'a>,
 }
 
-impl Out<'_> {
+impl<'a> Out<'a> {
+    /// The whole of a mesh, made to hold `size`.
+    fn of(mesh: &'a mut Mesh, size: Sizes) -> Self {
+        let [bark_v, bark_i, foliage_v, foliage_i] = size.counts;
+        Self {
+            bark: Slot::of(&mut mesh.bark, bark_v, bark_i),
+            foliage: Slot::of(&mut mesh.foliage, foliage_v, foliage_i),
+        }
+    }
+
+    fn copy(self, cluster: &Mesh, place: &Similarity) {
+        self.bark.copy(&cluster.bark, place);
+        self.foliage.copy(&cluster.foliage, place);
+    }
+
     fn split(self, size: Sizes) -> (Self, Self) {
         let [bark_v, bark_i, foliage_v, foliage_i] = size.counts;
         let (b0, b1) = self.bark.split(bark_v, bark_i);

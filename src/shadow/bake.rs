@@ -160,6 +160,13 @@ impl<'a> Job<'a> {
     }
 
     fn map(&self, light: Vec3, sums: &[u16]) -> ShadowMap {
+        let soft;
+        let sums = if self.samples.len() > 1 && self.size >= FILTERED_FROM {
+            soft = smoothed(sums, self.size as usize);
+            &soft
+        } else {
+            sums
+        };
         let bytes = sums.iter().map(|sum| ((sum + 128) >> 8).to_le_bytes()[0]);
         let mut image = Image::from_texels(self.size, self.size, bytes.collect());
         let trunk_base = self.ground.trunk_base;
@@ -179,6 +186,39 @@ impl<'a> Job<'a> {
 /// Step between the thresholds of neighbouring triangles: the plastic number's share of 2^32, so
 /// that it keeps no pace with [`GOLDEN`].
 const SPREAD: u32 = 0xc13f_a9a9;
+
+/// Maps of this many texels along an edge are filtered; on smaller ones two texels are too much.
+pub(super) const FILTERED_FROM: u32 = 128;
+
+/// A soft map with its grain taken off: few samples of many small leaves leave a grain of single texels,
+/// which a binomial filter two texels wide removes at a cost in sharpness far below the penumbra's.
+fn smoothed(sums: &[u16], size: usize) -> Vec<u16> {
+    let rows = filtered(sums, size, 1);
+    filtered(&rows, size, size)
+}
+
+/// One direction of the filter; neighbours are `step` apart. The border is lit, so edges may clamp.
+fn filtered(sums: &[u16], size: usize, step: usize) -> Vec<u16> {
+    const WEIGHTS: [u32; 5] = [1, 4, 6, 4, 1];
+    let at = |place: usize, tap: usize| {
+        let along = if step == 1 {
+            place % size
+        } else {
+            place / size
+        };
+        let to = (along + tap).saturating_sub(2).min(size - 1);
+        u32::from(sums[place - along * step + to * step])
+    };
+    let mean = |place: usize| {
+        let sum: u32 = WEIGHTS
+            .iter()
+            .enumerate()
+            .map(|(tap, w)| w * at(place, tap))
+            .sum();
+        u16::try_from((sum + 8) / 16).unwrap_or(u16::MAX)
+    };
+    (0..sums.len()).map(mean).collect()
+}
 
 /// Twice the area of a triangle.
 #[inline]
@@ -361,7 +401,7 @@ mod tests {
                 assert!((area - 1.0).abs() < 0.02, "{bands} bands: {area} m2");
                 // Strays come in opposite pairs, all but that of the middle sample.
                 assert!(
-                    (strayed - middle).length() < 0.12 / (bands + 1) as f32,
+                    (strayed - middle).length() < 0.14 / (bands + 1) as f32,
                     "{strayed} {middle}"
                 );
                 let to_light = map.direction;
@@ -452,7 +492,8 @@ mod tests {
             for map in baked(&little_tree(), &settings).maps {
                 let [x, y] = map.trunk_base.map(u32::from);
                 if size > 16 {
-                    assert_eq!(*map.image.at(x, y), 255, "{}", map.direction);
+                    let shade = *map.image.at(x, y);
+                    assert!(shade > 200, "{}: {shade}", map.direction);
                 }
                 let image = map.image_without_code();
                 let border = |i: u32| i < 2 || i >= size - 2;

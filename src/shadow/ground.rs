@@ -9,6 +9,9 @@ use crate::shadow::directions::Sample;
 /// the shifts of the samples' grids each take less than one.
 const MARGIN: f32 = 4.0;
 
+/// Further texels for the filter that takes grain off, on maps that it is used on.
+const FILTER_MARGIN: f32 = 2.0;
+
 /// The shorter side of the ground rectangle is at least this part of the longer one: texels that
 /// are much longer than wide look streaky and defeat a renderer's mips. Arbitrary.
 const LEAST_ASPECT: f32 = 0.25;
@@ -186,9 +189,14 @@ impl Ground {
         };
         let spare = (Vec2::splat(least) - (high - low)).max(Vec2::ZERO) * 0.5;
         let (low, high) = (low - spare, high + spare);
+        let margin = if size >= super::bake::FILTERED_FROM {
+            MARGIN + FILTER_MARGIN
+        } else {
+            MARGIN
+        };
         #[expect(clippy::cast_precision_loss, reason = "maps have at most 8192 columns")]
-        let texel_m = (high - low) / (size as f32 - 2.0 * MARGIN);
-        let base = (MARGIN - low / texel_m).floor();
+        let texel_m = (high - low) / (size as f32 - 2.0 * margin);
+        let base = (margin - low / texel_m).floor();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

@@ -16,7 +16,8 @@ pub struct SubtreeCounts {
 /// The outermost points of a sub-tree, in its own frame.
 ///
 /// The points lie on the sub-tree, so bounds made from them never exceed the true ones; they fall
-/// short by at most about 3 % of the size, since only 40 directions are kept.
+/// short by at most about 5 % of the size (measured over 2000 species drawn by chance), since only 40
+/// directions are kept.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extent {
     points: Vec<Vec3>,
@@ -176,6 +177,10 @@ fn own_points(part: &Part, points: &mut Vec<Vec3>) {
                     points.push(sample.position + sample.frame * out);
                 }
             }
+            if let Some(last) = branch.axis.last().filter(|_| branch.blunt) {
+                // The dome that closes a blunt end.
+                points.push(last.position + last.frame * Vec3::Y * (last.radius * 0.5));
+            }
         }
         Part::Leaf {
             length,
@@ -188,6 +193,10 @@ fn own_points(part: &Part, points: &mut Vec<Vec3>) {
             let other = Vec3::new(-side.x, 0.0, side.z);
             let tip = Vec3::Y * *length;
             points.extend([side, other, tip + side, tip + other]);
+            if *fold != 0.0 {
+                // The midrib lies below the two long edges.
+                points.extend([Vec3::ZERO, tip]);
+            }
         }
     }
 }

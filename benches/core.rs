@@ -1,0 +1,104 @@
+//! The costly stages for the olive: all captures, from meshes and from captures, and everything from
+//! the species to the finished asset, without a disk.
+
+use divan::{AllocProfiler, Bencher, black_box};
+use pleach::capture::{self, LeafArtwork, Plan, Source, bake};
+use pleach::image::{Image, Texel, mips};
+use pleach::math::float;
+use pleach::pipeline::{self, ImageFiles};
+use pleach::report::Quiet;
+use pleach::species::schema::{Bark, LeafLook, Species};
+use pleach::species::{self, NoFiles};
+use pleach::texture;
+use pleach::tree::{Limits, grow};
+
+#[global_allocator]
+static ALLOCATOR: AllocProfiler = AllocProfiler::system();
+
+fn main() {
+    divan::main();
+}
+
+fn olive() -> Species {
+    let text = include_str!("../species/olive.ron");
+    species::parse("olive.ron", text, &NoFiles).expect("a sound script")
+}
+
+/// Leaf cards drawn before the clock starts, and resized as asked.
+struct Drawn(Vec<(f32, Image<Texel>)>);
+
+impl LeafArtwork for Drawn {
+    fn aspect(&self, kind: usize) -> f32 {
+        self.0[kind].0
+    }
+
+    fn draw(&self, kind: usize, width: u32, height: u32) -> Image<Texel> {
+        texture::resized(&self.0[kind].1, width, height)
+    }
+
+    fn kinds(&self) -> usize {
+        self.0.len()
+    }
+}
+
+fn drawn(species: &Species) -> Drawn {
+    let card = |kind: &species::schema::LeafKind| {
+        let aspect = kind.width_m / kind.length_m;
+        let LeafLook::Drawn(art) = &kind.look else {
+            panic!("the olive names no image");
+        };
+        let width = pleach::math::round_to_u32(float(512) * aspect);
+        (aspect, texture::leaf(kind, art, 1, width, 512))
+    };
+    Drawn(species.leaves.iter().map(card).collect())
+}
+
+/// All captures, with an atlas whose largest capture has 512 texels.
+fn captures(bencher: Bencher, source: Source) {
+    let species = olive();
+    let tree = grow(&species, 1, &Limits::default()).expect("within the limits");
+    let plan = Plan::of(&tree);
+    let leaves = drawn(&species);
+    let Bark::Drawn(art) = &species.bark else {
+        panic!("the olive's bark is drawn");
+    };
+    let bark = mips::chain(texture::bark(art, 1, 512), 10, capture::ALPHA_CUTOFF);
+    let settings = capture::Settings {
+        source,
+        ..capture::Settings::default()
+    };
+    bencher.bench(|| {
+        let bark = (&bark[..], species.bark.height_m());
+        bake(black_box(&tree), &plan, &leaves, bark, &settings, &Quiet)
+    });
+}
+
+#[divan::bench(sample_count = 10)]
+fn captures_as_by_default(bencher: Bencher) {
+    captures(bencher, capture::Settings::default().source);
+}
+
+#[divan::bench(sample_count = 10)]
+fn captures_from_meshes(bencher: Bencher) {
+    captures(bencher, Source::Direct);
+}
+
+#[divan::bench(sample_count = 10)]
+fn captures_from_captures(bencher: Bencher) {
+    captures(bencher, Source::Hierarchical);
+}
+
+struct NoImages;
+
+impl ImageFiles for NoImages {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        Err(format!("no file `{path}`"))
+    }
+}
+
+#[divan::bench(sample_count = 5)]
+fn generate(bencher: Bencher) {
+    let species = olive();
+    let settings = pipeline::Settings::default();
+    bencher.bench(|| pipeline::generate(black_box(&species), &settings, &NoImages, &Quiet));
+}
