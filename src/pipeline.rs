@@ -150,7 +150,8 @@ struct Artwork<'a> {
 /// Image files of more texels are refused: 8192 x 8192.
 const IMAGE_LIMIT: u64 = 1 << 26;
 
-fn read_image(path: &str, files: &dyn Files) -> Result<Image<Texel>, GenerateError> {
+/// Reads an image that a script names; [`GenerateError::Image`] if it is of no use.
+pub(crate) fn read_image(path: &str, files: &dyn Files) -> Result<Image<Texel>, GenerateError> {
     let fault = |reason: String| GenerateError::Image {
         path: path.to_owned(),
         reason,

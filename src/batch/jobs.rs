@@ -250,7 +250,12 @@ impl Prepared {
         let mut slug = plain.as_ref().map_or(stem, |s| s.slug.clone());
         let mut script = text;
         for (field, value) in &job.set {
-            script = edit::set(&script, field, value).map_err(|e| e.to_string())?;
+            script = match edit::set(&script, field, value) {
+                Ok(script) => script,
+                // Its faults are told when its trees fail; the other jobs go on.
+                Err(edit::EditError::Unreadable) => break,
+                Err(error) => return Err(error.to_string()),
+            };
         }
         if let Some(variation) = &job.name {
             slug = variation_slug(&slug, variation)?;

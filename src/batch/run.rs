@@ -2,10 +2,13 @@
 
 use super::jobs::{Item, Plan};
 use crate::asset::TreeAsset;
-use crate::pack::{self, Options, Replace, WriteError};
+use crate::lod::Selector;
+use crate::pack::{self, Manifest, Options, Replace, WriteError};
 use crate::pipeline::{self, GenerateError, Settings};
 use crate::report::Progress;
 use crate::species::Beside;
+use crate::tree;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -69,6 +72,8 @@ pub fn run(
     options: &RunOptions,
     observer: &dyn Observer,
 ) -> std::io::Result<Vec<Outcome>> {
+    let names: BTreeSet<&str> = plan.items.iter().map(|i| i.folder.as_str()).collect();
+    pack::sweep(&options.out, |name| names.contains(name));
     let next = AtomicUsize::new(0);
     let outcomes = Mutex::new(vec![Outcome::Cancelled; plan.items.len()]);
     let work = |worker: usize| {
@@ -103,7 +108,7 @@ pub fn run(
 
 fn one(item: &Item, options: &RunOptions, observer: &dyn Observer, worker: usize) -> Outcome {
     let progress = observer.item(worker, item);
-    if options.resume && is_whole(&options.out.join(&item.folder), item) {
+    if options.resume && is_whole(item, options) {
         return Outcome::Kept;
     }
     match make(item, options, &*progress) {
@@ -148,27 +153,55 @@ fn make(item: &Item, options: &RunOptions, progress: &dyn Progress) -> Result<Tr
     Ok(asset)
 }
 
-/// True if a pack was made from the item's script and all its files are what the manifest says.
-fn is_whole(folder: &Path, item: &Item) -> bool {
-    let Ok(manifest) = pack::read_manifest(folder) else {
+/// True if the item's pack is there, is what this plan would make, and all its files are what the
+/// manifest says. (Image files that the script names are not compared.)
+fn is_whole(item: &Item, options: &RunOptions) -> bool {
+    let folder = options.out.join(&item.folder);
+    let Ok(manifest) = pack::read_manifest(&folder) else {
         return false;
     };
     let generator = concat!("pleach ", env!("CARGO_PKG_VERSION"));
     let same_script = std::fs::read(folder.join("species.ron"))
         .is_ok_and(|script| script == item.script.as_bytes());
-    let same_budgets = item.budgets.as_ref().is_none_or(|budgets| {
-        manifest
-            .lods
-            .iter()
-            .filter_map(|l| l.budget)
-            .all(|b| budgets.contains(&b))
-    });
-    let size = manifest.textures.foliage.size[0];
-    let same_size = item.texture_size.is_none_or(|wanted| wanted == size);
+    let atlas = item
+        .texture_size
+        .unwrap_or(options.settings.captures.atlas_size);
     same_script
-        && same_budgets
-        && same_size
         && manifest.generator == generator
         && manifest.seed == item.seed
-        && pack::verify(folder, &manifest).is_ok()
+        && manifest.textures.foliage.size[0] == atlas
+        && manifest.textures.foliage.mips.is_empty() != options.pack.mips
+        && manifest.lods.iter().all(|lod| {
+            std::fs::read(folder.join(&lod.file))
+                .is_ok_and(|glb| embeds_images(&glb) == options.pack.embed)
+        })
+        && same_lods(item, options, &manifest)
+        && pack::verify(&folder, &manifest).is_ok()
+}
+
+/// True if the budgets wanted now give the LODs that a pack has.
+fn same_lods(item: &Item, options: &RunOptions, manifest: &Manifest) -> bool {
+    let Ok(species) = &item.species else {
+        return false;
+    };
+    let Ok(tree) = tree::grow(species, item.seed, &options.settings.limits) else {
+        return false;
+    };
+    let budgets = item.budgets.as_ref().or(options.settings.budgets.as_ref());
+    let budgets = budgets.unwrap_or(&species.lod.budgets);
+    let chain = Selector::new(&tree, &species.lod).chain(budgets, options.settings.full);
+    let wanted = chain.lods.iter().map(|l| (l.budget, l.triangles.total()));
+    wanted.eq(manifest.lods.iter().map(|l| (l.budget, l.triangles)))
+}
+
+/// True if the JSON chunk of a GLB of ours keeps its images inside.
+fn embeds_images(glb: &[u8]) -> bool {
+    let key = br#""mimeType":"image/png""#;
+    let length = glb
+        .get(12..16)
+        .and_then(|b| b.try_into().ok())
+        .map_or(0, u32::from_le_bytes);
+    let json = glb.get(20..).unwrap_or(&[]);
+    let json = &json[..json.len().min(length as usize)];
+    json.windows(key.len()).any(|part| part == key)
 }

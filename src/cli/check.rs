@@ -2,7 +2,9 @@
 
 use super::args::Check;
 use super::{End, Failure};
-use crate::species::{Beside, Faults, parse};
+use crate::pipeline::read_image;
+use crate::species::schema::{Bark, LeafLook, Species};
+use crate::species::{Beside, Faults, Files, parse};
 use crate::tree::{self, Limits};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -56,6 +58,10 @@ fn one(path: &Path) -> Vec<Value> {
         Ok(species) => match tree::grow(&species, species.seed, &Limits::default()) {
             Err(error) => plain(error.to_string()),
             Ok(tree) => {
+                let faults = image_faults(&species, &files);
+                if !faults.is_empty() {
+                    return faults.into_iter().flat_map(plain).collect();
+                }
                 let nodes: u64 = tree.nodes().iter().flatten().sum();
                 eprintln!(
                     "{shown}: {} is fine ({} nodes)",
@@ -66,6 +72,20 @@ fn one(path: &Path) -> Vec<Value> {
             }
         },
     }
+}
+
+/// What is wrong with the image files that a species names.
+fn image_faults(species: &Species, files: &dyn Files) -> Vec<String> {
+    let leaves = species.leaves.iter().filter_map(|kind| match &kind.look {
+        LeafLook::Image(path) => Some(path),
+        LeafLook::Drawn(_) => None,
+    });
+    let bark = match &species.bark {
+        Bark::Image { path, .. } => Some(path),
+        Bark::Drawn(_) => None,
+    };
+    let fault = |path: &String| Some(read_image(path, files).err()?.to_string());
+    leaves.chain(bark).filter_map(fault).collect()
 }
 
 fn faults_json(faults: &Faults) -> Vec<Value> {

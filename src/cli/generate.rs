@@ -12,19 +12,18 @@ pub(crate) fn run(args: &Generate) -> Result<End, Failure> {
     super::use_threads(args.threads.map(usize::from))?;
     let settings = settings(&args.tree, args.seed)?;
     let script = super::read_script(&args.species)?;
+    let seed = args.seed.unwrap_or(script.species.seed);
+    let name = pack::folder_name(&script.species.slug, seed);
+    // Now as well as when writing, so that nobody waits for a tree that is then refused.
+    pack::check_place(&args.out, &name, args.pack.replace()).map_err(Failure::write)?;
+    pack::sweep(&args.out, |other| other == name);
     let bar = Bar::alone(&script.species.name);
     let asset = pipeline::generate(&script.species, &settings, &script.files, &bar)
         .map_err(|error| failure(&args.species, &error))?;
     let files =
         pack::build(&asset, script.text.as_bytes(), args.pack.options()).map_err(Failure::input)?;
-    let name = pack::folder_name(&asset.slug, asset.seed);
-    let folder = pack::write(&args.out, &name, &files, args.pack.replace()).map_err(|error| {
-        if error.is_machine_fault() {
-            Failure::machine(error)
-        } else {
-            Failure::input(error)
-        }
-    })?;
+    let folder =
+        pack::write(&args.out, &name, &files, args.pack.replace()).map_err(Failure::write)?;
     drop(bar);
     let manifest = pack::read_manifest(&folder).map_err(Failure::machine)?;
     eprintln!("{}", super::inspect::manifest_text(&manifest));
@@ -39,14 +38,21 @@ pub(crate) fn run(args: &Generate) -> Result<End, Failure> {
         table::bytes(total)
     );
     if args.json {
-        super::say(&json(&manifest, &folder)?)?;
+        let folder = folder.display().to_string();
+        super::say(&Made {
+            folder,
+            pack: &manifest,
+        })?;
     }
     Ok(End::Done)
 }
 
-fn json(manifest: &Manifest, folder: &std::path::Path) -> Result<serde_json::Value, Failure> {
-    let manifest = serde_json::to_value(manifest).map_err(Failure::machine)?;
-    Ok(serde_json::json!({ "folder": folder.display().to_string(), "pack": manifest }))
+/// What `--json` tells. A structure and no JSON value, whose numbers would be widened to 64 bits and
+/// read otherwise than in `pack.json`.
+#[derive(serde::Serialize)]
+struct Made<'a> {
+    folder: String,
+    pack: &'a Manifest,
 }
 
 /// Settings from arguments; all of them are checked before any work.

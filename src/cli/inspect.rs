@@ -31,7 +31,7 @@ fn pack_folder(args: &Inspect) -> Result<End, Failure> {
         eprintln!("warning: {warning}");
     }
     if args.json {
-        super::say(&serde_json::to_value(&manifest).map_err(Failure::machine)?)?;
+        super::say(&manifest)?;
     }
     match pack::verify(&args.path, &manifest) {
         Ok(()) => Ok(End::Done),

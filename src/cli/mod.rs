@@ -62,6 +62,15 @@ impl Failure {
         }
     }
 
+    /// A pack that could not be written: the machine's fault, or something stands in the way.
+    pub(crate) fn write(error: crate::pack::WriteError) -> Self {
+        if error.is_machine_fault() {
+            Self::machine(error)
+        } else {
+            Self::input(error)
+        }
+    }
+
     pub(crate) fn machine(message: impl ToString) -> Self {
         Self {
             end: End::Machine,
@@ -115,7 +124,7 @@ pub(crate) fn coloured() -> bool {
 }
 
 /// Writes machine text to stdout; a closed pipe is not a fault.
-pub(crate) fn say(json: &serde_json::Value) -> Result<(), Failure> {
+pub(crate) fn say(json: &impl serde::Serialize) -> Result<(), Failure> {
     use std::io::Write as _;
     let text = serde_json::to_string_pretty(json).map_err(Failure::machine)?;
     match writeln!(std::io::stdout(), "{text}") {

@@ -5,7 +5,7 @@ mod manifest;
 mod write;
 
 pub use manifest::{FORMAT, FileEntry, LodEntry, Manifest, VERSION};
-pub use write::{Replace, WriteError, read_manifest, verify, write};
+pub use write::{Replace, WriteError, check_place, read_manifest, sweep, verify, write};
 
 use crate::asset::TreeAsset;
 use crate::image::png;

@@ -7,6 +7,7 @@ use super::{FORMAT, Manifest, PackFile, VERSION};
 use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// What to do with something that already stands in the pack's place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +38,12 @@ pub enum WriteError {
         /// Folder or file.
         path: PathBuf,
     },
+    /// The folder of the packs is, or lies below, something that is no folder.
+    #[error("{path} is no folder, so no pack can be made in it; choose another --out")]
+    NotAFolder {
+        /// What is no folder.
+        path: PathBuf,
+    },
     /// A pack of another version stands in the way.
     #[error(
         "{path} holds a pack of version {found}, and this program writes version {VERSION}; \
@@ -63,7 +70,9 @@ fn hint(error: &io::Error) -> &'static str {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
             "; choose a folder that you may write to with --out"
         }
-        io::ErrorKind::StorageFull => "; free some space or choose another disk with --out",
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "; free some space or choose another disk with --out"
+        }
         _ => "",
     }
 }
@@ -78,49 +87,110 @@ pub fn write(
     files: &[PackFile],
     replace: Replace,
 ) -> Result<PathBuf, WriteError> {
-    let target = out.join(name);
-    let io_at = |path: &Path| {
-        let path = path.to_owned();
-        move |source| WriteError::Io { path, source }
-    };
-    may_replace(&target, replace)?;
+    check_place(out, name, replace)?;
     fs::create_dir_all(out).map_err(io_at(out))?;
-    let temporary = tempfile::Builder::new()
-        .prefix(&format!(".{name}."))
-        .suffix(".tmp")
-        .tempdir_in(out)
-        .map_err(io_at(out))?;
+    let (temporary, _lock) = temporary(out, name, ".tmp")?;
+    // Temporary folders are private to the user; a folder in it is as readable as any new one.
+    let pack = temporary.path().join(INSIDE);
+    fs::create_dir(&pack).map_err(io_at(&pack))?;
     for file in files {
-        let path = temporary.path().join(&file.path);
+        let path = pack.join(&file.path);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(io_at(folder))?;
         }
         write_file(&path, &file.bytes).map_err(io_at(&path))?;
     }
-    readable_by_all(temporary.path()).map_err(io_at(temporary.path()))?;
-    if target.exists() {
-        // The old pack moves into a temporary folder of its own, which is then removed.
-        let old = tempfile::Builder::new()
-            .prefix(&format!(".{name}."))
-            .suffix(".old.tmp")
-            .tempdir_in(out)
-            .map_err(io_at(out))?;
-        let aside = old.path().join("pack");
-        fs::rename(&target, &aside).map_err(io_at(&target))?;
-        if let Err(source) = fs::rename(temporary.path(), &target) {
-            // Put back what was there; if even that fails, the first error says why.
-            let _ = fs::rename(&aside, &target);
-            return Err(WriteError::Io {
-                path: target,
-                source,
-            });
-        }
-    } else {
-        fs::rename(temporary.path(), &target).map_err(io_at(&target))?;
+    put(&pack, out, name)?;
+    Ok(out.join(name))
+}
+
+/// Moves a finished folder to its place, and what stood there out of the way.
+fn put(finished: &Path, out: &Path, name: &str) -> Result<(), WriteError> {
+    let target = out.join(name);
+    if !target.exists() {
+        return fs::rename(finished, &target).map_err(io_at(&target));
     }
-    // The folder has moved: there is nothing left to remove under its old name.
-    let _ = temporary.keep();
-    Ok(target)
+    // The old pack moves into a temporary folder of its own, which is then removed.
+    let (old, _lock) = temporary(out, name, OLD)?;
+    let aside = old.path().join(INSIDE);
+    fs::rename(&target, &aside).map_err(io_at(&target))?;
+    let moved = fs::rename(finished, &target);
+    // Put back what was there; if even that fails, keep it for a later sweep to put back.
+    if moved.is_err() && fs::rename(&aside, &target).is_err() && !target.exists() {
+        let _ = old.keep();
+    }
+    moved.map_err(io_at(&target))
+}
+
+fn io_at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+    let path = path.to_owned();
+    move |source| WriteError::Io { path, source }
+}
+
+/// End of the name of a temporary folder that holds a replaced pack.
+const OLD: &str = ".old.tmp";
+
+/// The pack in a temporary folder.
+const INSIDE: &str = "pack";
+
+/// A hidden folder beside the pack's place, locked for as long as the second value lives, where the
+/// system can lock folders.
+fn temporary(
+    out: &Path,
+    name: &str,
+    suffix: &str,
+) -> Result<(tempfile::TempDir, Option<fs::File>), WriteError> {
+    let folder = tempfile::Builder::new()
+        .prefix(&format!(".{name}."))
+        .suffix(suffix)
+        .tempdir_in(out)
+        .map_err(io_at(out))?;
+    let lock = fs::File::open(folder.path())
+        .ok()
+        .filter(|f| f.try_lock().is_ok());
+    Ok((folder, lock))
+}
+
+/// How long a temporary folder must have rested before it may count as left behind. The lock alone
+/// would do on one machine; machines that share a disk need not see each other's locks.
+const RESTED: Duration = Duration::from_secs(600);
+
+/// Removes what killed runs left behind in `out` of the packs for which `ours` is true of their names.
+/// A replaced pack that a kill caught on its way out goes back to its place. Nothing that a living run
+/// holds is touched; what cannot be removed stays.
+pub fn sweep(out: &Path, ours: impl Fn(&str) -> bool) {
+    let Ok(entries) = fs::read_dir(out) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let file = entry.file_name();
+        let parts = file
+            .to_str()
+            .and_then(|f| f.strip_prefix('.')?.split_once('.'));
+        let Some((name, rest)) = parts else {
+            continue;
+        };
+        if !rest.ends_with(".tmp") || !ours(name) || !left_behind(&entry.path()) {
+            continue;
+        }
+        let target = out.join(name);
+        if rest.ends_with(OLD) && !target.exists() {
+            let _ = fs::rename(entry.path().join(INSIDE), &target);
+        }
+        let _ = fs::remove_dir_all(entry.path());
+    }
+}
+
+fn left_behind(folder: &Path) -> bool {
+    let Ok(folder) = fs::File::open(folder) else {
+        return false;
+    };
+    let rested = folder.metadata().is_ok_and(|m| {
+        m.is_dir()
+            && m.modified()
+                .is_ok_and(|t| t.elapsed().is_ok_and(|e| e > RESTED))
+    });
+    rested && folder.try_lock().is_ok()
 }
 
 fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
@@ -130,33 +200,30 @@ fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.sync_data()
 }
 
-/// Temporary folders are private to the user; a pack is as readable as any new folder.
-#[cfg(unix)]
-fn readable_by_all(folder: &Path) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-    fs::set_permissions(folder, fs::Permissions::from_mode(0o755))
-}
-
-#[cfg(not(unix))]
-fn readable_by_all(_folder: &Path) -> io::Result<()> {
-    Ok(())
-}
-
-fn may_replace(target: &Path, replace: Replace) -> Result<(), WriteError> {
+/// Tells before any work whether the pack `name` may be written in the folder `out`.
+///
+/// # Errors
+/// If something stands there that is no pack, or a pack that `replace` protects.
+pub fn check_place(out: &Path, name: &str, replace: Replace) -> Result<(), WriteError> {
+    if let Some(path) = out.ancestors().find(|p| p.exists())
+        && !path.is_dir()
+    {
+        let path = path.to_owned();
+        return Err(WriteError::NotAFolder { path });
+    }
+    let target = out.join(name);
     if !target.exists() {
         return Ok(());
     }
     let text = fs::read(target.join("pack.json")).unwrap_or_default();
     let json: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
     if json["format"] != FORMAT {
-        return Err(WriteError::NotAPack {
-            path: target.to_owned(),
-        });
+        return Err(WriteError::NotAPack { path: target });
     }
     if replace == Replace::OwnPacks && json["version"] != VERSION {
         let found = json["version"].to_string();
         return Err(WriteError::OtherVersion {
-            path: target.to_owned(),
+            path: target,
             found,
         });
     }
