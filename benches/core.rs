@@ -5,7 +5,7 @@ use divan::{AllocProfiler, Bencher, black_box};
 use pleach::capture::{self, LeafArtwork, Plan, Source, bake};
 use pleach::image::{Image, Texel, mips};
 use pleach::math::float;
-use pleach::pipeline::{self, ImageFiles};
+use pleach::pipeline;
 use pleach::report::Quiet;
 use pleach::species::schema::{Bark, LeafLook, Species};
 use pleach::species::{self, NoFiles};
@@ -88,17 +88,9 @@ fn captures_from_captures(bencher: Bencher) {
     captures(bencher, Source::Hierarchical);
 }
 
-struct NoImages;
-
-impl ImageFiles for NoImages {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        Err(format!("no file `{path}`"))
-    }
-}
-
 #[divan::bench(sample_count = 5)]
 fn generate(bencher: Bencher) {
     let species = olive();
     let settings = pipeline::Settings::default();
-    bencher.bench(|| pipeline::generate(black_box(&species), &settings, &NoImages, &Quiet));
+    bencher.bench(|| pipeline::generate(black_box(&species), &settings, &NoFiles, &Quiet));
 }

@@ -212,6 +212,7 @@ fn a_capture_covers_what_a_projection_covers() {
     let textures = Textures {
         bark: &bark,
         foliage: &pyramid,
+        reliefs: &[],
     };
     let form = baked.quads.form(&tree, &State::full(&tree), BARK_HEIGHT);
     let thickness = tree.mean_thickness();

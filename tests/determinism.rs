@@ -2,10 +2,11 @@
 
 mod common;
 
-use common::{Images, Sketch, small};
+use common::{Sketch, small};
 use pleach::pack::{self, Options, PackFile};
 use pleach::pipeline::{self, Settings};
 use pleach::report::Quiet;
+use pleach::species::Beside;
 use pleach::{capture, shadow};
 
 /// A pack of a small tree that uses all that could differ: variants, tropism, stems, roots, captures of
@@ -41,7 +42,7 @@ fn built(threads: usize, source: capture::Source, seed: u64) -> Vec<PackFile> {
         mips: true,
     };
     let build = || {
-        let images = Images(std::path::PathBuf::new());
+        let images = Beside(std::path::PathBuf::new());
         let asset = pipeline::generate(&sketch.species(), &settings, &images, &Quiet)
             .expect("a small tree is made");
         pack::build(&asset, b"the script", options).expect("a small pack is built")

@@ -6,7 +6,7 @@ mod common;
 use std::fs;
 use std::path::PathBuf;
 
-use common::{Images, Script, scripts, stand_ins};
+use common::{Script, scripts, stand_ins};
 use pleach::capture::{Textures, View, Visibility};
 use pleach::image::{Image, Texel, png};
 use pleach::lod::State;
@@ -14,6 +14,7 @@ use pleach::math::{Vec3, float, floor_to_u32};
 use pleach::mesh::Flattener;
 use pleach::pipeline::{self, Settings};
 use pleach::report::Quiet;
+use pleach::species::Beside;
 use pleach::{capture, preview, shadow};
 
 /// Cells of a silhouette, across and down, and samples along each edge of a cell.
@@ -71,6 +72,7 @@ fn silhouette(script: &Script) -> String {
     let textures = Textures {
         bark: &opaque,
         foliage: &opaque,
+        reliefs: &[],
     };
     let seen = Visibility::draw(&mesh, textures, &view);
     let cell = |x: u32, y: u32| {
@@ -203,7 +205,7 @@ fn picture(script: &Script) -> Image<[u8; 3]> {
         },
         ..Settings::default()
     };
-    let images = Images(script.folder.clone());
+    let images = Beside(script.folder.clone());
     let asset = pipeline::generate(&script.species, &settings, &images, &Quiet)
         .unwrap_or_else(|error| panic!("{}: {error}", script.slug));
     preview::picture(

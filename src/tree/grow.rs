@@ -278,16 +278,25 @@ fn branch(
         .ok_or_else(incomplete)?;
     let spline_index = params.splines[choice].0;
     let spline = species.splines.get(spline_index).ok_or_else(incomplete)?;
-    let control = gnarled(&spline.points, params.gnarl, key);
+    let mut control = gnarled(&spline.points, params.gnarl, key);
+    let mut size = 1.0;
+    if script.parent.is_none() {
+        // A trunk hangs on no link: its own turn and size are part of the prototype.
+        let turn = links::angle(&script.placement.around, key, Parameter::Around, 0.0, 0.0);
+        let turn = glam::Quat::from_rotation_y(turn);
+        control.iter_mut().for_each(|point| *point = turn * *point);
+        size = links::factor(&script.placement.scale, key, Parameter::Scale, 0.0);
+    }
     // A chance of more than the whole length would turn the branch inside out.
-    let length =
-        nominal.length * (1.0 + params.length_vary * key.signed(Parameter::Length)).max(0.05);
+    let length = nominal.length
+        * size
+        * (1.0 + params.length_vary * key.signed(Parameter::Length)).max(0.05);
     Branch::build(&Recipe {
         spline: u16::try_from(spline_index).unwrap_or(u16::MAX),
         control: &control,
         knots: spline.knots,
         length,
-        radius: nominal.radius,
+        radius: nominal.radius * size,
         taper: &params.taper,
         collar: (params.collar, nominal.parent_radius),
         hidden,

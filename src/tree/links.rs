@@ -24,7 +24,7 @@ pub(super) struct ChildLevel<'a> {
 }
 
 /// An angle of a script at one place, in radians.
-fn angle(param: &Param, key: Key, parameter: Parameter, at: f32, link: f32) -> f32 {
+pub(super) fn angle(param: &Param, key: Key, parameter: Parameter, at: f32, link: f32) -> f32 {
     let degrees = param.at.at(at) + param.step * link + param.vary * key.signed(parameter);
     degrees.to_radians()
 }

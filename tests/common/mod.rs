@@ -412,8 +412,6 @@ fn script(path: &Path) -> Script {
     }
 }
 
-pub(crate) use pleach::species::Beside as Images;
-
 /// A quad of one square metre for every sub-tree and every branch: each state can be flattened
 /// without a capture.
 pub(crate) fn stand_ins(tree: &Tree) -> CrossQuads {
