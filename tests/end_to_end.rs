@@ -158,9 +158,9 @@ fn triangles_in_bounds(
         numbers(&made["bounds"]["min"]),
         numbers(&made["bounds"]["max"]),
     );
-    // Quads of coarse LODs are framed by the extents of all that they stand for, so they may pass the
-    // finest mesh a little.
-    let slack = (0..3).map(|a| max[a] - min[a]).fold(0.0, f64::max) * 0.1;
+    // Quads of coarse LODs are framed by the extents of all that they stand for, so their corners, which
+    // are empty, may pass the finest mesh.
+    let slack = (0..3).map(|a| max[a] - min[a]).fold(0.0, f64::max) * 0.25;
     for position in &positions {
         for axis in 0..3 {
             let value = f64::from(position[axis]);
@@ -351,7 +351,7 @@ fn the_olive_keeps_full_detail_and_budgets_in_one_chain() {
     let dir = tempfile::tempdir().unwrap();
     let run = generate(&olive(), dir.path(), &["--budgets", "full,500,4", "--json"]);
     run.ends(0, &[]);
-    let pack = dir.path().join("olive-1");
+    let pack = only_pack(dir.path());
     assert_eq!(whole(&pack), Ok(()));
     let made = manifest(&pack);
     assert!(run.json()["pack"] == made, "the manifest, number by number");
