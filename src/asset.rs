@@ -21,6 +21,8 @@ pub struct TreeAsset {
     pub slug: String,
     /// Seed it was grown from.
     pub seed: u64,
+    /// Files that the script names, by their path beside it: with them, the script makes the tree again.
+    pub sources: Vec<(String, Vec<u8>)>,
     /// The graph.
     pub tree: Tree,
     /// Number of captures.
@@ -37,7 +39,7 @@ pub struct TreeAsset {
     pub reliefs: Vec<Relief>,
     /// Nine soft ground shadows.
     pub shadows: Shadows,
-    /// Bounds of the finest LOD, metres.
+    /// Bounds of all LODs, metres.
     pub bounds: Bounds,
     /// What the user should know.
     pub warnings: Vec<Warning>,

@@ -6,7 +6,7 @@ use crate::image::dilate::dilate;
 use crate::image::{Image, Texel, mips};
 use crate::impostor::cross_quad::CrossQuads;
 use crate::lod::{Chain, Selector};
-use crate::math::byte_from_unit;
+use crate::math::{Bounds, byte_from_unit};
 use crate::mesh::{Flattener, Mesh, TooLarge};
 use crate::report::{Cancelled, Progress, Warning};
 use crate::shadow::{self, Shadows};
@@ -54,9 +54,9 @@ pub enum GenerateError {
     /// The species cannot be grown.
     #[error(transparent)]
     Grow(#[from] GrowError),
-    /// An image file named in the script is of no use.
-    #[error("image `{path}`: {reason}")]
-    Image {
+    /// A file named in the script is of no use.
+    #[error("`{path}`: {reason}")]
+    File {
         /// Path as the script has it.
         path: String,
         /// What is wrong.
@@ -120,6 +120,7 @@ pub fn generate(
         progress,
     )?;
     warnings.extend(warning);
+    let sources = sources(species, files)?;
     let mut atlas = baked.atlas;
     dilate(&mut atlas);
     Ok(TreeAsset {
@@ -128,7 +129,10 @@ pub fn generate(
         slug: species.slug.clone(),
         seed,
         captures: plan.captures(),
-        bounds: lods[0].mesh.bounds(),
+        sources,
+        bounds: lods
+            .iter()
+            .fold(Bounds::EMPTY, |all, lod| all.union(&lod.mesh.bounds())),
         lods,
         foliage: Surface::of(&atlas),
         bark: Surface::of(&bark[0]),
@@ -138,6 +142,19 @@ pub fn generate(
         warnings,
         tree,
     })
+}
+
+/// The files that a script names, with their bytes.
+fn sources(species: &Species, files: &dyn Files) -> Result<Vec<(String, Vec<u8>)>, GenerateError> {
+    let read = |path: &String| {
+        let bytes = files.read_bytes(path);
+        let bytes = bytes.map_err(|reason| GenerateError::File {
+            path: path.clone(),
+            reason,
+        })?;
+        Ok((path.clone(), bytes))
+    };
+    species.files.iter().map(read).collect()
 }
 
 /// Leaf kinds with their images read.
@@ -152,7 +169,7 @@ const IMAGE_LIMIT: u64 = 1 << 26;
 
 /// Reads an image that a script names; [`GenerateError::Image`] if it is of no use.
 pub(crate) fn read_image(path: &str, files: &dyn Files) -> Result<Image<Texel>, GenerateError> {
-    let fault = |reason: String| GenerateError::Image {
+    let fault = |reason: String| GenerateError::File {
         path: path.to_owned(),
         reason,
     };

@@ -27,7 +27,9 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("the list of stages; pictures", &["pipeline", "preview"]),
     ("files", &["pack"]),
-    ("faces", &["cli", "batch", "main", "lib"]),
+    ("many trees", &["batch"]),
+    ("faces", &["cli"]),
+    ("the program and the crate", &["main", "lib"]),
 ];
 
 /// One use of a module by another.

@@ -8,7 +8,7 @@ use crate::math::{Bounds, Vec3, floor_to_u32};
 use crate::mesh::{Mesh, Primitive};
 
 /// Cells along the longest edge.
-const CELLS: u32 = 28;
+const CELLS: u32 = 24;
 
 /// Part of a foliage card's area that is leaf, on average.
 const CARD_COVERAGE: f32 = 0.5;

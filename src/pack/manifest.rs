@@ -28,7 +28,7 @@ pub struct Manifest {
     pub units: String,
     /// Always `+Y`.
     pub up: String,
-    /// Bounds of the finest LOD, metres.
+    /// Bounds of all LODs, metres.
     pub bounds: BoundsEntry,
     /// Levels, the first first.
     pub levels: Vec<LevelEntry>,

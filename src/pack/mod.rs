@@ -37,6 +37,14 @@ pub enum BuildError {
     /// A structure could not be written as JSON.
     #[error("cannot write JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// A file that the script names is called as one of the pack's own.
+    #[error(
+        "the script names a file `{path}`, and a pack has a file of that name itself; rename it"
+    )]
+    NameTaken {
+        /// Path.
+        path: String,
+    },
     /// A GLB would pass the format's 4 GiB.
     #[error("{file} would be larger than the 4 GiB that GLB allows")]
     TooLarge {
@@ -44,6 +52,9 @@ pub enum BuildError {
         file: String,
     },
 }
+
+/// Files of a pack that are written after those that a script names.
+const RESERVED: [&str; 2] = ["preview.png", "pack.json"];
 
 /// Folder name of a pack.
 #[must_use]
@@ -82,6 +93,15 @@ pub fn build(
         path: "species.ron".to_owned(),
         bytes: script.to_vec(),
     });
+    for (path, bytes) in &asset.sources {
+        if files.iter().any(|f| f.path == *path) || RESERVED.contains(&path.as_str()) {
+            return Err(BuildError::NameTaken { path: path.clone() });
+        }
+        files.push(PackFile {
+            path: path.clone(),
+            bytes: bytes.clone(),
+        });
+    }
     let preview = crate::preview::picture(asset, &crate::preview::Settings::default());
     files.push(PackFile {
         path: "preview.png".to_owned(),

@@ -27,6 +27,8 @@ pub struct Species {
     pub bark: Bark,
     /// How the LOD chain is made.
     pub lod: Lod,
+    /// Files that the script names (splines, images), relative to it, in the order of the script.
+    pub files: Vec<String>,
 }
 
 /// Stems of a multi-stemmed tree: the whole tree becomes a level of its own above the stems.

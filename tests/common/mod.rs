@@ -199,6 +199,7 @@ impl Sketch {
             ],
             bark: bark(),
             lod: Lod::default(),
+            files: Vec::new(),
         }
     }
 

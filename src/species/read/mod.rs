@@ -38,6 +38,7 @@ pub fn parse(file_name: &str, source: &str, files: &dyn Files) -> Result<Species
         files,
         sources,
         out: Report::new(faults),
+        named: Vec::new(),
     };
     let species = species(&mut reader, &root);
     let faults = reader.out.into_faults();
@@ -52,6 +53,8 @@ struct Reader<'f> {
     files: &'f dyn Files,
     sources: Vec<Source>,
     out: Report,
+    /// Files that the script names.
+    named: Vec<String>,
 }
 
 impl Reader<'_> {
@@ -67,6 +70,13 @@ impl Reader<'_> {
         items
     }
 
+    /// Remembers a file that the script names.
+    fn note(&mut self, path: &str) {
+        if !self.named.iter().any(|known| known == path) {
+            self.named.push(path.to_owned());
+        }
+    }
+
     /// The path of an image that must be there.
     fn image(&mut self, fields: &Fields<'_>, name: &'static str) -> String {
         let Some((path, value)) = fields.path(&mut self.out, name) else {
@@ -75,6 +85,7 @@ impl Reader<'_> {
         if let Err(reason) = self.files.exists(&path) {
             self.out.push(value.fault(reason));
         }
+        self.note(&path);
         path
     }
 }
@@ -117,6 +128,7 @@ fn species(reader: &mut Reader<'_>, node: &Node) -> Option<Species> {
         leaves,
         bark,
         lod: lod?,
+        files: std::mem::take(&mut reader.named),
     })
 }
 

@@ -86,6 +86,7 @@ fn from_file(
     path: &str,
     value: &Value<'_>,
 ) -> Option<spline_file::SplineFile> {
+    reader.note(path);
     let text = match reader.files.read_text(path) {
         Ok(text) => text,
         Err(reason) => {
