@@ -332,7 +332,7 @@ fn variation_slug(slug: &str, variation: &str) -> Result<String, String> {
 ///
 /// # Errors
 /// What is wrong with them, and what they should be.
-pub(crate) fn check_budgets(budgets: &[u64]) -> Result<(), String> {
+pub fn check_budgets(budgets: &[u64]) -> Result<(), String> {
     if let Some(small) = budgets
         .iter()
         .find(|&&b| b < crate::lod::CROSS_QUAD_TRIANGLES)

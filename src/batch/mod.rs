@@ -6,6 +6,6 @@
 mod jobs;
 mod run;
 
-pub(crate) use jobs::check_budgets;
+pub use jobs::check_budgets;
 pub use jobs::{Item, Job, JobList, Plan, PlanError, Seeds, Shard};
 pub use run::{Observer, Outcome, RunOptions, run};

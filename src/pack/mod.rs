@@ -1,4 +1,4 @@
-//! Packs: the files that other programs load. Exporters here return bytes; only [`write`] touches a disk.
+//! Packs: the files that other programs load. Exporters here return bytes; only [`write()`] touches a disk.
 
 mod gltf;
 mod manifest;
