@@ -65,6 +65,10 @@ const COMBINED_SHARE: [f32; 5] = [1.0, 0.8, 0.65, 0.5, 0.4];
 const BRANCH_SHARE: f32 = 0.5;
 const LEAF_SHARE: f32 = 0.45;
 
+/// A slim leaf gets at least this width as a part of its length, more texels across than along: a few
+/// columns would sink below the alpha cutoff in the mips that engines make.
+const SLIMMEST_LEAF: f32 = 0.3;
+
 /// Draws the card of one leaf kind at a size in texels.
 pub trait LeafArtwork: Sync {
     /// Width over height of a leaf kind's card.
@@ -312,7 +316,7 @@ fn layout(
         let aspect = leaves.aspect(kind);
         let longer = half * LEAF_SHARE;
         wanted.push(Wanted {
-            width: longer * aspect.min(1.0),
+            width: longer * aspect.clamp(SLIMMEST_LEAF, 1.0),
             height: longer / aspect.max(1.0),
         });
     }

@@ -91,6 +91,8 @@ pub struct Visibility {
     depth: Vec<f32>,
     /// Triangle, its lowest bit 1 for foliage; `NOTHING` where nothing is.
     seen: Vec<u32>,
+    /// Sample positions of the vertices of bark and foliage.
+    screen: [Vec<(Vec2, f32)>; 2],
     width: u32,
 }
 
@@ -140,6 +142,7 @@ impl Visibility {
         Self {
             depth,
             seen,
+            screen: [bark, foliage],
             width: view.width,
         }
     }
@@ -173,9 +176,10 @@ impl Visibility {
             &mesh.bark
         };
         let first = (seen >> 1) as usize * 3;
-        let corners: [&Vertex; 3] =
-            core::array::from_fn(|i| &primitive.vertices[primitive.indices[first + i] as usize]);
-        let screen = corners.map(|c| view.project(Vec3::from(c.position)).0);
+        let at_corner = |i: usize| primitive.indices[first + i] as usize;
+        let corners: [&Vertex; 3] = core::array::from_fn(|i| &primitive.vertices[at_corner(i)]);
+        let projected = &self.screen[usize::from(is_foliage)];
+        let screen = core::array::from_fn(|i| projected[at_corner(i)].0);
         #[expect(
             clippy::cast_precision_loss,
             reason = "picture sizes are far below 2^24"

@@ -15,8 +15,9 @@ use crate::mesh::{Flattener, Mesh, TooLarge, Vertex};
 use crate::tree::{Part, Tree};
 use rayon::prelude::*;
 
-/// Geometry LOD of branches in captures: finer rings than a texel can show are wasted.
-const CAPTURE_SPLINE_LOD: u8 = 1;
+/// Geometry LOD of the captured branch itself: finer rings than a texel can show are wasted. Each level
+/// further out is smaller in the same picture, and takes one coarser.
+const CAPTURE_SPLINE_LOD: usize = 1;
 
 /// A branch that strays from its plane by more than this many of its radii would be seen twice.
 const DOUBLED_ABOVE: f32 = 1.5;
@@ -115,7 +116,10 @@ impl Studio<'_> {
                 _ if outside || alone => LodForm::Inside,
                 Some(collapsed) if l == collapsed => LodForm::Collapsed,
                 Some(collapsed) if tree.is_below(l, collapsed) => LodForm::Inside,
-                _ => LodForm::Geometry(CAPTURE_SPLINE_LOD),
+                _ => {
+                    let out = tree.levels[l].depth - tree.levels[level].depth;
+                    LodForm::Geometry(u8::try_from(CAPTURE_SPLINE_LOD + out).unwrap_or(u8::MAX))
+                }
             }
         };
         State {
