@@ -70,6 +70,21 @@ fn the_list_that_comes_with_the_program_makes_what_generate_makes() {
 }
 
 #[test]
+fn the_papers_list_has_180_trees_and_no_fault() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("species/jobs/paper.ron");
+    let plan = pleach::batch::Plan::read(&path).unwrap();
+    assert_eq!(plan.items.len(), 180);
+    for item in &plan.items {
+        let species = item
+            .species
+            .as_ref()
+            .unwrap_or_else(|faults| panic!("{faults}"));
+        let limits = pleach::tree::Limits::default();
+        pleach::tree::grow(species, item.seed, &limits).unwrap();
+    }
+}
+
+#[test]
 fn a_bad_species_fails_alone() {
     let (dir, script) = nursery();
     let text = fs::read_to_string(script).unwrap();
