@@ -72,7 +72,7 @@ pub(crate) fn manifest_text(manifest: &Manifest) -> String {
     });
     let [atlas, _] = manifest.textures.foliage.size;
     format!(
-        "{}{latin}, seed {}: {height:.1} m high, {width:.1} m wide; {} captures in an atlas of {atlas} x {atlas}\n\n{}\n\n{}",
+        "{}{latin}, seed {}: all LODs within {height:.1} m of height and {width:.1} m of width; {} captures in an atlas of {atlas} x {atlas}\n\n{}\n\n{}",
         species.name,
         manifest.seed,
         manifest.captures,
