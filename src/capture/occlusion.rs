@@ -33,7 +33,7 @@ impl Occlusion {
     /// Gathers the density of a mesh and the light that all directions together bring to each cell.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
-        let mut grid = Self::density_of(mesh, CELLS);
+        let mut grid = Self::density_of(mesh, CELLS, 1.0);
         let directions = all_around();
         grid.open = (0..grid.density.len())
             .map(|index| {
@@ -50,9 +50,9 @@ impl Occlusion {
         grid
     }
 
-    /// The density alone, in a grid of `cells` along the longest edge.
+    /// The density alone, in a grid of `cells` along the longest edge; bark counts for a part of its area.
     #[must_use]
-    pub fn density_of(mesh: &Mesh, cells: u32) -> Self {
+    pub fn density_of(mesh: &Mesh, cells: u32, bark: f32) -> Self {
         let bounds = mesh.bounds();
         let bounds = if bounds.is_empty() {
             Bounds {
@@ -76,7 +76,7 @@ impl Occlusion {
             density: vec![0.0; count],
             open: Vec::new(),
         };
-        grid.gather(&mesh.bark, 1.0);
+        grid.gather(&mesh.bark, bark);
         grid.gather(&mesh.foliage, CARD_COVERAGE);
         let volume = cell * cell * cell;
         grid.density
@@ -85,9 +85,10 @@ impl Occlusion {
         grid
     }
 
-    /// Replaces the density by one in finer cells; what is open to all directions stays as it was.
+    /// Replaces the density by that of the foliage alone, in finer cells; what is open to all directions
+    /// stays as it was. (A trunk of a cell's width would stand in the shade of its own cells.)
     pub fn refine(&mut self, mesh: &Mesh, cells: u32) {
-        let coarse = core::mem::replace(self, Self::density_of(mesh, cells));
+        let coarse = core::mem::replace(self, Self::density_of(mesh, cells, 0.0));
         self.open = (0..self.density.len())
             .map(|i| coarse.open(self.middle(i)))
             .collect();
