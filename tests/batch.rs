@@ -85,6 +85,23 @@ fn the_papers_list_has_180_trees_and_no_fault() {
 }
 
 #[test]
+fn resuming_remakes_a_tree_whose_spline_file_changed() {
+    let dir = tempfile::tempdir().unwrap();
+    let species = Path::new(env!("CARGO_MANIFEST_DIR")).join("species");
+    for file in ["palm.ron", "palm_trunk.spline"] {
+        fs::copy(species.join(file), dir.path().join(file)).unwrap();
+    }
+    let job = r#"(species: "palm.ron", texture_size: 256, budgets: [400, 4])"#;
+    let (jobs, out) = (list(dir.path(), job), dir.path().join("packs"));
+    batch(&jobs, &out, &[]).ends(0, &["1 made"]);
+    batch(&jobs, &out, &["--resume"]).ends(0, &["1 there already"]);
+    let spline = dir.path().join("palm_trunk.spline");
+    let text = fs::read_to_string(&spline).unwrap();
+    fs::write(&spline, format!("{text}# touched\n")).unwrap();
+    batch(&jobs, &out, &["--resume"]).ends(0, &["1 made"]);
+}
+
+#[test]
 fn a_bad_species_fails_alone() {
     let (dir, script) = nursery();
     let text = fs::read_to_string(script).unwrap();

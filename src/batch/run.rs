@@ -154,7 +154,7 @@ fn make(item: &Item, options: &RunOptions, progress: &dyn Progress) -> Result<Tr
 }
 
 /// True if the item's pack is there, is what this plan would make, and all its files are what the
-/// manifest says. (Image files that the script names are not compared.)
+/// manifest says.
 fn is_whole(item: &Item, options: &RunOptions) -> bool {
     let folder = options.out.join(&item.folder);
     let Ok(manifest) = pack::read_manifest(&folder) else {
@@ -175,8 +175,21 @@ fn is_whole(item: &Item, options: &RunOptions) -> bool {
             std::fs::read(folder.join(&lod.file))
                 .is_ok_and(|glb| embeds_images(&glb) == options.pack.embed)
         })
+        && same_sources(item, &folder)
         && same_lods(item, options, &manifest)
         && pack::verify(&folder, &manifest).is_ok()
+}
+
+/// True if the files that the script names are now as the pack has them.
+fn same_sources(item: &Item, folder: &Path) -> bool {
+    let Ok(species) = &item.species else {
+        return false;
+    };
+    let beside = item.path.parent().unwrap_or(Path::new(""));
+    species.files.iter().all(|file| {
+        let now = std::fs::read(beside.join(file));
+        now.is_ok_and(|now| std::fs::read(folder.join(file)).is_ok_and(|then| then == now))
+    })
 }
 
 /// True if the budgets wanted now give the LODs that a pack has.
