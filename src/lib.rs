@@ -9,10 +9,12 @@ pub mod batch;
 pub mod capture;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod evaluate;
 pub mod image;
 pub mod impostor;
 pub mod lod;
 pub mod math;
+pub mod measure;
 pub mod mesh;
 pub mod pack;
 pub mod pipeline;

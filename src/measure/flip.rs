@@ -1,0 +1,1 @@
+//! FLIP: how different two pictures look when one flips between them.
