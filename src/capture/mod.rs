@@ -14,3 +14,4 @@ pub use bake::{BakeError, Baked, LeafArtwork, Settings, Source, bake};
 pub use occlusion::Occlusion;
 pub use plan::{Plan, Subject, VIEWS};
 pub use raster::{ALPHA_CUTOFF, Seen, Textures, View, Visibility};
+pub(crate) use raster::{fetch, mip_level};

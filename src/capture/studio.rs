@@ -198,6 +198,7 @@ impl Studio<'_> {
             quad: Quad {
                 centre,
                 right,
+                up: Vec3::Y,
                 half,
                 thick,
                 captured_thickness: frame.thickness,

@@ -4,3 +4,5 @@
 //! the finished ones.
 
 pub mod flip;
+pub mod silhouette;
+pub mod views;

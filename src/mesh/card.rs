@@ -66,13 +66,15 @@ pub fn leaf(length: f32, width: f32, fold: f32, uv: UvRect) -> Template {
     template
 }
 
-/// One upright quad of a cross-quad.
+/// One captured quad of a cross-quad or of a set of planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quad {
     /// Middle of the quad, metres in the prototype's frame.
     pub centre: Vec3,
     /// Unit vector along rising u.
     pub right: Vec3,
+    /// Unit vector up the image, at right angles to `right`.
+    pub up: Vec3,
     /// Half of the width and half of the height, metres.
     pub half: [f32; 2],
     /// The part of the half width that a node's thickness multiplies, metres.
@@ -92,7 +94,7 @@ pub struct Relief {
     pub longer: f32,
 }
 
-/// The quads of one node: upright (+Y up the image), each 2 triangles, seen from both sides.
+/// The quads of one node, each 2 triangles, seen from both sides.
 #[must_use]
 pub fn quads(quads: &[Quad]) -> Template {
     let mut template = Template {
@@ -101,7 +103,7 @@ pub fn quads(quads: &[Quad]) -> Template {
     };
     for quad in quads {
         let base = u32::try_from(template.vertices.len()).unwrap_or(u32::MAX);
-        let normal = quad.right.cross(Vec3::Y);
+        let normal = quad.right.cross(quad.up);
         for (x, y, uv) in [
             (-1.0, -1.0, [quad.uv.u0, quad.uv.v1]),
             (1.0, -1.0, [quad.uv.u1, quad.uv.v1]),
@@ -112,7 +114,7 @@ pub fn quads(quads: &[Quad]) -> Template {
             template.vertices.push(TemplateVertex {
                 axis: quad.centre
                     + across * (quad.half[0] - quad.thick)
-                    + Vec3::Y * (y * quad.half[1]),
+                    + quad.up * (y * quad.half[1]),
                 offset: across * (quad.thick / quad.captured_thickness),
                 normal,
                 tangent: quad.right,

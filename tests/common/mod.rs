@@ -419,6 +419,7 @@ pub(crate) fn stand_ins(tree: &Tree) -> CrossQuads {
     let quads = RIGHT.map(|right| Quad {
         centre: Vec3::Y * 0.5,
         right,
+        up: Vec3::Y,
         half: [0.5, 0.5],
         thick: 0.1,
         captured_thickness: 1.0,
