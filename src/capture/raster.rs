@@ -323,7 +323,7 @@ fn barycentric([a, b, c]: [Vec2; 3], p: Vec2) -> [f32; 3] {
     clippy::cast_precision_loss,
     reason = "texture sizes are far below 2^24"
 )]
-pub(crate) fn mip_level([a, b, c]: [Vec2; 3], uv: [[f32; 2]; 3], mips: &[Image<Texel>]) -> usize {
+pub(crate) fn mip_level<P>([a, b, c]: [Vec2; 3], uv: [[f32; 2]; 3], mips: &[Image<P>]) -> usize {
     let size = Vec2::new(mips[0].width() as f32, mips[0].height() as f32);
     let [ta, tb, tc] = uv.map(|uv| Vec2::from(uv) * size);
     let texels = (tb - ta).perp_dot(tc - ta).abs();
@@ -343,7 +343,7 @@ pub(crate) fn mip_level([a, b, c]: [Vec2; 3], uv: [[f32; 2]; 3], mips: &[Image<T
     clippy::cast_precision_loss,
     reason = "texture sizes are far below 2^24"
 )]
-pub(crate) fn fetch(image: &Image<Texel>, [u, v]: [f32; 2], clamp: bool) -> &Texel {
+pub(crate) fn fetch<P>(image: &Image<P>, [u, v]: [f32; 2], clamp: bool) -> &P {
     let (u, v) = if clamp {
         (u, v)
     } else {

@@ -4,6 +4,7 @@
 //! triangle count is a closed form over the graph: nodes of a prototype times the triangles of its form.
 //! Knows forms, not their geometry.
 
+pub mod cut;
 mod error;
 mod select;
 

@@ -3,10 +3,12 @@
 pub mod card;
 pub mod check;
 mod flatten;
+mod front;
 mod template;
 mod tube;
 
 pub use flatten::{Flattener, Form, Sizes, TooLarge};
+pub use front::{Dress, Wardrobe, front};
 pub use template::{Material, Template, TemplateVertex};
 pub use tube::tube;
 
