@@ -5,6 +5,7 @@
 //! seen ([`crate::measure::views`]).
 
 mod report;
+pub mod rivals;
 
 pub use report::html;
 

@@ -7,11 +7,11 @@ use crate::mesh::{Mesh, Primitive, Vertex};
 use serde_json::{Value, json};
 
 /// Component types and targets of glTF 2.0.
-const FLOAT: u32 = 5126;
-const U16: u32 = 5123;
-const U32: u32 = 5125;
-const ARRAY_BUFFER: u32 = 34962;
-const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+pub(super) const FLOAT: u32 = 5126;
+pub(super) const U16: u32 = 5123;
+pub(super) const U32: u32 = 5125;
+pub(super) const ARRAY_BUFFER: u32 = 34962;
+pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 /// Samplers: linear with mips; clamp or repeat.
 const LINEAR: u32 = 9729;
 const LINEAR_MIPMAP_LINEAR: u32 = 9987;

@@ -1,10 +1,13 @@
 //! Packs: the files that other programs load. Exporters here return bytes; only [`write()`] touches a disk.
 
 mod gltf;
+mod gltf_read;
 mod manifest;
+mod read;
 mod write;
 
 pub use manifest::{FORMAT, FileEntry, LodEntry, Manifest, VERSION};
+pub use read::{PackContents, ReadError, read};
 pub use write::{Replace, WriteError, check_place, read_manifest, sweep, verify, write};
 
 use crate::asset::TreeAsset;

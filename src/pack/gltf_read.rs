@@ -1,0 +1,554 @@
+//! The mesh of a GLB that this program wrote; the reverse of its neighbour that writes, and no more.
+//!
+//! A GLB that says anything else is refused rather than half understood: a field that is not known here may
+//! move, cut or recolour what is drawn, and a mesh read without it would not be the one in the file. Where
+//! the textures lie and how they are sampled is not looked at: packs name their textures in the manifest.
+
+use crate::capture::ALPHA_CUTOFF;
+use crate::mesh::{Mesh, Primitive, Vertex};
+use core::mem::offset_of;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::gltf::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, FLOAT, U16, U32};
+
+/// Floats of a vertex.
+const FLOATS: usize = size_of::<Vertex>() / size_of::<f32>();
+
+/// The JSON of a GLB. What a document may hold beside it, this program does not write.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+struct Document {
+    asset: Asset,
+    scene: usize,
+    scenes: Vec<Scene>,
+    nodes: Vec<Node>,
+    meshes: Vec<Meshes>,
+    materials: Vec<Material>,
+    #[serde(rename = "textures")]
+    _textures: IgnoredAny,
+    #[serde(rename = "images")]
+    _images: IgnoredAny,
+    #[serde(rename = "samplers")]
+    _samplers: IgnoredAny,
+    accessors: Vec<Accessor>,
+    buffer_views: Vec<View>,
+    buffers: Vec<Buffer>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Asset {
+    version: String,
+    #[serde(rename = "generator")]
+    _generator: IgnoredAny,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Scene {
+    nodes: Vec<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Node {
+    #[serde(rename = "name")]
+    _name: IgnoredAny,
+    mesh: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Meshes {
+    #[serde(rename = "name")]
+    _name: IgnoredAny,
+    primitives: Vec<Triangles>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Triangles {
+    attributes: Attributes,
+    indices: usize,
+    material: usize,
+    mode: u32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "SCREAMING_SNAKE_CASE")]
+struct Attributes {
+    position: usize,
+    normal: usize,
+    tangent: usize,
+    texcoord_0: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+struct Material {
+    name: String,
+    alpha_mode: Option<String>,
+    alpha_cutoff: Option<f32>,
+    #[serde(default)]
+    double_sided: bool,
+    #[serde(rename = "pbrMetallicRoughness")]
+    _colour: Colour,
+    #[serde(rename = "normalTexture")]
+    _normal: IgnoredAny,
+    #[serde(rename = "occlusionTexture")]
+    _occlusion: IgnoredAny,
+}
+
+/// Known only so that a factor that recolours the textures is refused.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+struct Colour {
+    #[serde(rename = "baseColorTexture")]
+    _albedo: IgnoredAny,
+    #[serde(rename = "metallicRoughnessTexture")]
+    _orm: IgnoredAny,
+    #[serde(rename = "metallicFactor")]
+    _metallic: IgnoredAny,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+struct Accessor {
+    buffer_view: usize,
+    #[serde(default)]
+    byte_offset: usize,
+    component_type: u32,
+    count: usize,
+    #[serde(rename = "type")]
+    kind: String,
+    #[serde(rename = "min")]
+    _min: Option<IgnoredAny>,
+    #[serde(rename = "max")]
+    _max: Option<IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+struct View {
+    buffer: usize,
+    byte_offset: usize,
+    byte_length: usize,
+    byte_stride: Option<usize>,
+    target: Option<u32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+struct Buffer {
+    byte_length: usize,
+}
+
+/// Reads a GLB as this program writes it. Every number of the mesh is finite, every index has its vertex,
+/// and the triangles are whole.
+///
+/// # Errors
+/// What was expected and is not there, in words.
+pub(super) fn mesh(glb: &[u8]) -> Result<Mesh, String> {
+    let (json, bytes) = chunks(glb)?;
+    let document: Document = serde_json::from_slice(json)
+        .map_err(|e| format!("expected glTF as this program writes it: {e}"))?;
+    let mut mesh = Mesh::default();
+    for triangles in document.primitives(bytes.len())? {
+        let primitive = document.primitive(triangles, bytes)?;
+        let (name, slot) = match document.is_foliage(triangles.material)? {
+            true => ("foliage", &mut mesh.foliage),
+            false => ("bark", &mut mesh.bark),
+        };
+        if !slot.indices.is_empty() {
+            return Err(format!("expected at most one primitive of {name}"));
+        }
+        *slot = primitive;
+    }
+    Ok(mesh)
+}
+
+/// The JSON and the binary chunk.
+fn chunks(glb: &[u8]) -> Result<(&[u8], &[u8]), String> {
+    let header = glb.split_first_chunk().and_then(|(magic, rest)| {
+        let (version, rest) = rest.split_first_chunk()?;
+        let (length, rest) = rest.split_first_chunk()?;
+        let is_glb = magic == b"glTF" && u32::from_le_bytes(*version) == 2;
+        is_glb.then_some((u32::from_le_bytes(*length), rest))
+    });
+    let (length, rest) = header.ok_or("expected a GLB of version 2")?;
+    if usize::try_from(length) != Ok(glb.len()) {
+        let found = glb.len();
+        return Err(format!("expected {length} bytes, and there are {found}"));
+    }
+    let (json, rest) = chunk(rest, b"JSON").ok_or("expected a whole JSON chunk first")?;
+    match chunk(rest, b"BIN\0") {
+        Some((bytes, [])) => Ok((json, bytes)),
+        _ => Err("expected a whole BIN chunk second, and no third".to_owned()),
+    }
+}
+
+/// The content of the first chunk, if it is of this kind, and what follows.
+fn chunk<'a>(bytes: &'a [u8], kind: &[u8; 4]) -> Option<(&'a [u8], &'a [u8])> {
+    let (length, rest) = bytes.split_first_chunk()?;
+    let rest = rest.strip_prefix(kind)?;
+    rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)
+}
+
+impl Document {
+    /// The primitives of the one mesh, if nothing around it moves or doubles it.
+    fn primitives(&self, bytes: usize) -> Result<&[Triangles], String> {
+        let one_mesh = self.asset.version == "2.0"
+            && self.scene == 0
+            && matches!(&self.scenes[..], [Scene { nodes }] if nodes == &[0])
+            && matches!(&self.nodes[..], [Node { mesh: 0, .. }]);
+        let one_buffer =
+            matches!(self.buffers[..], [Buffer { byte_length }] if byte_length == bytes);
+        if !one_buffer {
+            return Err(format!("expected one buffer of {bytes} bytes"));
+        }
+        match &self.meshes[..] {
+            [mesh] if one_mesh => Ok(&mesh.primitives),
+            _ => Err("expected glTF 2.0 with one scene of one node with one mesh".to_owned()),
+        }
+    }
+
+    fn is_foliage(&self, material: usize) -> Result<bool, String> {
+        let found = self.materials.get(material).map(|m| {
+            let look = (m.alpha_mode.as_deref(), m.alpha_cutoff, m.double_sided);
+            (m.name.as_str(), look)
+        });
+        match found {
+            Some(("bark", (None, None, false))) => Ok(false),
+            Some(("foliage", (Some("MASK"), Some(ALPHA_CUTOFF), true))) => Ok(true),
+            _ => Err(format!(
+                "expected material {material} to be `bark`, opaque and one-sided, or `foliage`, masked at \
+                 {ALPHA_CUTOFF} and double-sided"
+            )),
+        }
+    }
+
+    fn primitive(&self, triangles: &Triangles, bytes: &[u8]) -> Result<Primitive, String> {
+        if triangles.mode != 4 {
+            return Err(format!(
+                "expected triangles (mode 4), found mode {}",
+                triangles.mode
+            ));
+        }
+        let vertices = self.vertices(&triangles.attributes, bytes)?;
+        let indices = self.indices(triangles.indices, bytes)?;
+        let whole = !indices.is_empty() && indices.len().is_multiple_of(3);
+        if !whole {
+            let found = indices.len();
+            return Err(format!("expected whole triangles, found {found} indices"));
+        }
+        let count = vertices.len();
+        if let Some(index) = indices.iter().find(|&&i| i as usize >= count) {
+            return Err(format!("expected indices below {count}, found {index}"));
+        }
+        Ok(Primitive { vertices, indices })
+    }
+
+    /// Vertices, interleaved exactly as they lie in memory.
+    fn vertices(&self, attributes: &Attributes, bytes: &[u8]) -> Result<Vec<Vertex>, String> {
+        let first = self.accessor(attributes.position)?;
+        for (name, index, offset, kind) in [
+            (
+                "POSITION",
+                attributes.position,
+                offset_of!(Vertex, position),
+                "VEC3",
+            ),
+            (
+                "NORMAL",
+                attributes.normal,
+                offset_of!(Vertex, normal),
+                "VEC3",
+            ),
+            (
+                "TANGENT",
+                attributes.tangent,
+                offset_of!(Vertex, tangent),
+                "VEC4",
+            ),
+            (
+                "TEXCOORD_0",
+                attributes.texcoord_0,
+                offset_of!(Vertex, uv),
+                "VEC2",
+            ),
+        ] {
+            let found = self.accessor(index)?;
+            let place = (found.buffer_view, found.count, found.byte_offset);
+            if place != (first.buffer_view, first.count, offset)
+                || (found.component_type, found.kind.as_str()) != (FLOAT, kind)
+            {
+                return Err(format!(
+                    "expected {name} as {kind} of floats, {offset} bytes into each vertex"
+                ));
+            }
+        }
+        let stride = size_of::<Vertex>();
+        let bytes = self.view(first, ARRAY_BUFFER, Some(stride), stride, bytes)?;
+        bytes
+            .chunks_exact(stride)
+            .map(|chunk| vertex(chunk).ok_or_else(|| "expected finite vertices".to_owned()))
+            .collect()
+    }
+
+    fn indices(&self, accessor: usize, bytes: &[u8]) -> Result<Vec<u32>, String> {
+        let accessor = self.accessor(accessor)?;
+        let width = match (accessor.kind.as_str(), accessor.component_type) {
+            ("SCALAR", U16) if accessor.byte_offset == 0 => size_of::<u16>(),
+            ("SCALAR", U32) if accessor.byte_offset == 0 => size_of::<u32>(),
+            _ => return Err("expected indices of 16 or 32 bits".to_owned()),
+        };
+        let bytes = self.view(accessor, ELEMENT_ARRAY_BUFFER, None, width, bytes)?;
+        let index = |chunk: &[u8]| chunk.iter().rev().fold(0, |i, &b| i << 8 | u32::from(b));
+        Ok(bytes.chunks_exact(width).map(index).collect())
+    }
+
+    fn accessor(&self, index: usize) -> Result<&Accessor, String> {
+        let found = self.accessors.get(index);
+        found.ok_or_else(|| format!("expected an accessor {index}"))
+    }
+
+    /// The bytes of the buffer view that `accessor` fills with elements of `width` bytes.
+    fn view<'a>(
+        &self,
+        accessor: &Accessor,
+        target: u32,
+        stride: Option<usize>,
+        width: usize,
+        bytes: &'a [u8],
+    ) -> Result<&'a [u8], String> {
+        let index = accessor.buffer_view;
+        let found = self.buffer_views.get(index).filter(|v| {
+            (v.buffer, v.target, v.byte_stride) == (0, Some(target), stride)
+                && accessor.count.checked_mul(width) == Some(v.byte_length)
+        });
+        found
+            .and_then(|v| bytes.get(v.byte_offset..v.byte_offset.checked_add(v.byte_length)?))
+            .ok_or_else(|| {
+                let count = accessor.count;
+                format!("expected {count} times {width} bytes in buffer view {index}")
+            })
+    }
+}
+
+/// A vertex from its bytes; `None` if a number of it is not finite.
+fn vertex(bytes: &[u8]) -> Option<Vertex> {
+    let mut floats = [0.0; FLOATS];
+    for (float, bytes) in floats.iter_mut().zip(bytes.as_chunks().0) {
+        *float = f32::from_le_bytes(*bytes);
+    }
+    let finite = floats.iter().all(|f| f.is_finite());
+    finite.then(|| bytemuck::cast(floats))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::gltf::glb;
+    use super::super::{PackFile, Textures};
+    use super::*;
+    use proptest::prelude::*;
+    use serde_json::{Value, json};
+
+    /// A fan of triangles with a different number in each place of each vertex.
+    fn fan(vertices: u16) -> Primitive {
+        let number = |vertex: u16, place: usize| f32::from(vertex) + place as f32 / 16.0;
+        Primitive {
+            vertices: (0..vertices)
+                .map(|v| bytemuck::cast(core::array::from_fn::<f32, FLOATS, _>(|p| number(v, p))))
+                .collect(),
+            indices: (2..u32::from(vertices))
+                .flat_map(|v| [0, v - 1, v])
+                .collect(),
+        }
+    }
+
+    fn two() -> Mesh {
+        Mesh {
+            bark: fan(5),
+            foliage: fan(4),
+        }
+    }
+
+    fn written(mesh: &Mesh, embed: bool) -> Vec<u8> {
+        let files = |stem: &str| {
+            ["albedo", "normal", "orm"].map(|role| PackFile {
+                path: format!("textures/{stem}_{role}.png"),
+                bytes: vec![7; 5],
+            })
+        };
+        let textures = Textures {
+            bark: files("bark"),
+            foliage: files("foliage"),
+        };
+        glb("test", mesh, &textures, embed).unwrap().unwrap()
+    }
+
+    /// The GLB with its JSON changed.
+    fn changed(glb: &[u8], change: impl FnOnce(&mut Value)) -> Vec<u8> {
+        let (json, bytes) = chunks(glb).unwrap();
+        let mut json: Value = serde_json::from_slice(json).unwrap();
+        change(&mut json);
+        let mut text = serde_json::to_vec(&json).unwrap();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let mut glb = b"glTF\x02\0\0\0".to_vec();
+        let word = |length: usize| u32::try_from(length).unwrap().to_le_bytes();
+        glb.extend(word(28 + text.len() + bytes.len()));
+        glb.extend(word(text.len()));
+        glb.extend(b"JSON");
+        glb.extend(text);
+        glb.extend(word(bytes.len()));
+        glb.extend(b"BIN\0");
+        glb.extend(bytes);
+        glb
+    }
+
+    /// What every mesh that was read promises.
+    fn sound(mesh: &Mesh) -> bool {
+        [&mesh.bark, &mesh.foliage].iter().all(|p| {
+            let floats: &[f32] = bytemuck::cast_slice(&p.vertices);
+            floats.iter().all(|f| f.is_finite())
+                && p.indices.len().is_multiple_of(3)
+                && p.indices.iter().all(|&i| (i as usize) < p.vertices.len())
+        })
+    }
+
+    #[test]
+    fn what_was_written_is_read_whatever_its_parts_and_the_width_of_its_indices() {
+        let none = Primitive::default();
+        for (bark, foliage) in [
+            (fan(5), fan(4)),
+            (fan(5), none.clone()),
+            (none.clone(), fan(4)),
+            (none.clone(), none),
+            (fan(65_534), fan(65_535)),
+        ] {
+            let mesh = Mesh { bark, foliage };
+            for embed in [false, true] {
+                assert!(super::mesh(&written(&mesh, embed)) == Ok(mesh.clone()));
+            }
+        }
+    }
+
+    #[test]
+    fn every_part_of_a_glb_is_too_short() {
+        let glb = written(&two(), true);
+        for length in 0..glb.len() {
+            assert!(mesh(&glb[..length]).is_err(), "the first {length} bytes");
+        }
+        let longer = [glb, vec![0; 4]].concat();
+        assert!(mesh(&longer).unwrap_err().contains("bytes"));
+    }
+
+    #[test]
+    fn a_glb_that_says_more_than_ours_is_refused_by_name() {
+        let glb = written(&two(), false);
+        type Change = fn(&mut Value);
+        let changes: [(&str, Change); 12] = [
+            ("translation", |v| {
+                v["nodes"][0]["translation"] = json!([0, 1, 0]);
+            }),
+            ("extensionsRequired", |v| {
+                v["extensionsRequired"] = json!(["X"]);
+            }),
+            ("sparse", |v| {
+                v["accessors"][0]["sparse"] = json!({ "count": 1 });
+            }),
+            ("normalized", |v| {
+                v["accessors"][3]["normalized"] = json!(true);
+            }),
+            ("targets", |v| {
+                v["meshes"][0]["primitives"][0]["targets"] = json!([]);
+            }),
+            ("COLOR_0", |v| {
+                v["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(0);
+            }),
+            ("baseColorFactor", |v| {
+                let factor = json!([1, 0, 0, 1]);
+                v["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = factor;
+            }),
+            ("one scene", |v| v["nodes"] = json!([])),
+            ("masked at 0.5", |v| {
+                v["materials"][1]["alphaCutoff"] = json!(0.4);
+            }),
+            ("mode 5", |v| {
+                v["meshes"][0]["primitives"][0]["mode"] = 5.into();
+            }),
+            ("one primitive of bark", |v| {
+                v["meshes"][0]["primitives"][1]["material"] = 0.into();
+            }),
+            ("NORMAL", |v| {
+                v["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 0.into();
+            }),
+        ];
+        for (word, change) in changes {
+            let fault = mesh(&changed(&glb, change)).expect_err(word);
+            assert!(fault.contains(word), "{word}: {fault}");
+        }
+        assert!(mesh(&changed(&glb, |_| ())).is_ok());
+    }
+
+    /// Every number of a document, in turn.
+    fn numbers(value: &mut Value, visit: &mut impl FnMut(&mut Value)) {
+        match value {
+            Value::Array(list) => list.iter_mut().for_each(|v| numbers(v, visit)),
+            Value::Object(map) => map.values_mut().for_each(|v| numbers(v, visit)),
+            Value::Number(_) => visit(value),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn no_number_of_the_json_leads_out_of_the_file() {
+        let glb = written(&two(), true);
+        let mut count = 0;
+        changed(&glb, |json| numbers(json, &mut |_| count += 1));
+        assert!(count > 80, "only {count} numbers found");
+        let wild = [
+            json!(0),
+            json!(1),
+            json!(3),
+            json!(-1),
+            json!(u32::MAX),
+            json!(u64::MAX),
+            json!(u64::MAX / 48 + 1),
+            json!(1e300),
+        ];
+        for place in 0..count {
+            for value in &wild {
+                let mut at = 0;
+                let bytes = changed(&glb, |json| {
+                    numbers(json, &mut |number| {
+                        if at == place {
+                            *number = value.clone();
+                        }
+                        at += 1;
+                    });
+                });
+                assert!(mesh(&bytes).is_ok_and(|m| sound(&m)) || mesh(&bytes).is_err());
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn damaged_bytes_are_refused_or_read_as_a_sound_mesh(
+            damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        ) {
+            let mut glb = written(&two(), false);
+            for (place, byte) in damage {
+                let place = place.index(glb.len());
+                glb[place] = byte;
+            }
+            if let Ok(mesh) = mesh(&glb) {
+                prop_assert!(sound(&mesh));
+            }
+        }
+    }
+}
