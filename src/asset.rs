@@ -25,8 +25,10 @@ pub struct TreeAsset {
     pub sources: Vec<(String, Vec<u8>)>,
     /// The graph.
     pub tree: Tree,
-    /// Number of captures.
+    /// Number of captures from two sides.
     pub captures: usize,
+    /// Number of captures of fitted planes.
+    pub plane_captures: usize,
     /// LODs from the finest to the coarsest.
     pub lods: Vec<AssetLod>,
     /// Foliage atlas.
@@ -54,10 +56,16 @@ pub struct AssetLod {
     pub state: String,
     /// Triangles by material; what the mesh holds.
     pub triangles: Triangles,
-    /// Geometric error, metres; rises along the chain.
+    /// Edge of the blocks over which its coverage is right to a tenth, metres; rises along the chain.
     pub error_m: f32,
     /// Part of the picture's height up to which it may be shown; falls along the chain.
     pub screen_size: f32,
+    /// Factor on its quads at which it covers as much as full detail; 1 if not calibrated.
+    pub scale: f32,
+    /// Intersection over union of its silhouette and full detail's, mean over the calibration views.
+    pub iou: f32,
+    /// Covered area over full detail's, mean over the calibration views.
+    pub coverage: f32,
     /// Geometry, with uv into the two surfaces.
     pub mesh: Mesh,
 }

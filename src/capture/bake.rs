@@ -65,6 +65,17 @@ const COMBINED_SHARE: [f32; 5] = [1.0, 0.8, 0.65, 0.5, 0.4];
 const BRANCH_SHARE: f32 = 0.5;
 const LEAF_SHARE: f32 = 0.45;
 
+/// Density of sets of planes against the crossed quads of the same level.
+const SET_SHARE: f32 = 0.8;
+
+/// The part that is left of a capture that no LOD of the chain shows: it is there for other chains.
+const UNUSED_SHARE: f32 = 0.4;
+
+/// Wanted length of a combined capture's longer edge, as a part of half the atlas.
+fn combined_share(tree: &Tree, level: usize) -> f32 {
+    COMBINED_SHARE[tree.levels[level].depth.min(COMBINED_SHARE.len() - 1)]
+}
+
 /// A slim leaf gets at least this width as a part of its length, more texels across than along: a few
 /// columns would sink below the alpha cutoff in the mips that engines make.
 const SLIMMEST_LEAF: f32 = 0.3;
@@ -131,7 +142,8 @@ pub fn bake(
     let rects = layout(tree, plan, leaves, settings.atlas_size)?;
     let mut warnings = crowding(&rects, plan, settings.atlas_size);
     let mut atlas = Image::filled(settings.atlas_size, settings.atlas_size, Texel::EMPTY);
-    let leaf_rects = &rects[plan.captures()..];
+    let kinds = leaves.kinds();
+    let leaf_rects = &rects[plan.captures()..plan.captures() + kinds];
     for (kind, rect) in leaf_rects.iter().enumerate() {
         let (width, height) = inner_size(rect);
         copy_into(&mut atlas, rect, &leaves.draw(kind, width, height));
@@ -186,6 +198,7 @@ pub fn bake(
                 let node = Node {
                     turn: turns[level],
                     thickness: thickness[level][prototype],
+                    cross: plan.turns[level][prototype],
                 };
                 let shots = studio.shoot(plan.subjects[index], sources[index], node, pair);
                 progress.step();
@@ -210,12 +223,142 @@ pub fn bake(
             }
         }
     }
+    let stage = Stage {
+        tree,
+        plan,
+        rects: &rects[plan.captures() + kinds..],
+        turns: &turns,
+        thickness: &thickness,
+        sources: &sources,
+    };
+    atlas = stage.planes(atlas, &mut quads, bark, settings, progress)?;
     Ok(Baked {
         atlas,
         quads,
         rects,
         warnings,
     })
+}
+
+/// What the captures of planes need.
+struct Stage<'a> {
+    tree: &'a Tree,
+    plan: &'a Plan,
+    rects: &'a [Rect],
+    turns: &'a [Quat],
+    thickness: &'a [Vec<f32>],
+    sources: &'a [Option<usize>],
+}
+
+impl Stage<'_> {
+    /// Captures all sets of planes into the atlas.
+    fn planes(
+        &self,
+        atlas: Image<Texel>,
+        quads: &mut CrossQuads,
+        bark: (&[Image<Texel>], f32),
+        settings: &Settings,
+        progress: &dyn Progress,
+    ) -> Result<Image<Texel>, BakeError> {
+        if self.plan.sets.is_empty() {
+            return Ok(atlas);
+        }
+        let mut pyramid = mips::chain(atlas, MIPS, ALPHA_CUTOFF);
+        let reliefs = quads.reliefs();
+        let mut first = 0;
+        let firsts: Vec<usize> = self
+            .plan
+            .sets
+            .iter()
+            .map(|set| {
+                first += set.planes.len();
+                first - set.planes.len()
+            })
+            .collect();
+        let drawn: Result<Vec<Vec<Shot>>, BakeError> = self
+            .plan
+            .sets
+            .par_iter()
+            .zip(&firsts)
+            .map(|(set, &first)| {
+                if progress.cancelled() {
+                    return Err(Cancelled.into());
+                }
+                let studio = Studio {
+                    tree: self.tree,
+                    quads,
+                    textures: Textures {
+                        bark: bark.0,
+                        foliage: &pyramid,
+                        reliefs: &reliefs,
+                    },
+                    bark_height: bark.1,
+                    supersample: settings.supersample,
+                };
+                let node = Node {
+                    turn: self.turns[set.level],
+                    thickness: self.thickness[set.level][set.prototype],
+                    cross: 0.0,
+                };
+                // Planes that pick their leaves need the leaves; those that show all may show captures.
+                let source = if set.planes.iter().any(|p| p.members.is_some()) {
+                    None
+                } else {
+                    let of = self.plan.combined(set.level, set.prototype);
+                    of.and_then(|subject| self.sources[subject])
+                };
+                studio.shoot_planes(set, source, node, &self.rects[first..])
+            })
+            .collect();
+        let drawn = drawn?;
+        let mut atlas = pyramid.swap_remove(0);
+        for (shots, first) in drawn.into_iter().zip(firsts) {
+            let set = shots
+                .into_iter()
+                .zip(&self.rects[first..])
+                .map(|(shot, rect)| {
+                    copy_into(&mut atlas, rect, &shot.image);
+                    Quad {
+                        uv: uv_of(rect, settings.atlas_size),
+                        ..shot.quad
+                    }
+                });
+            quads.sets.push(set.collect());
+        }
+        Ok(atlas)
+    }
+}
+
+/// Texels along an edge of the sheet of leaves.
+const LEAF_SHEET: u32 = 512;
+
+/// All leaf kinds on a small sheet of their own, with their places: enough to measure with before there is
+/// an atlas.
+///
+/// # Errors
+/// If there are too many kinds.
+pub fn leaf_sheet(leaves: &dyn LeafArtwork) -> Result<(Image<Texel>, Vec<UvRect>), BakeError> {
+    let wanted: Vec<Wanted> = (0..leaves.kinds())
+        .map(|kind| {
+            let aspect = leaves.aspect(kind);
+            let longer = float(LEAF_SHEET) * LEAF_SHARE * 0.5;
+            Wanted {
+                width: longer * aspect.clamp(SLIMMEST_LEAF, 1.0),
+                height: longer / aspect.max(1.0),
+            }
+        })
+        .collect();
+    let rects = atlas::layout(LEAF_SHEET, &wanted).ok_or(BakeError::AtlasTooSmall {
+        parts: wanted.len(),
+        size: LEAF_SHEET,
+    })?;
+    let mut sheet = Image::filled(LEAF_SHEET, LEAF_SHEET, Texel::EMPTY);
+    for (kind, rect) in rects.iter().enumerate() {
+        let (width, height) = inner_size(rect);
+        copy_into(&mut sheet, rect, &leaves.draw(kind, width, height));
+    }
+    let places = rects.iter().map(|rect| uv_of(rect, LEAF_SHEET));
+    Ok((sheet, places.collect()))
 }
 
 /// Gives a branch type's quads to all prototypes of that type.
@@ -288,14 +431,17 @@ fn layout(
     let extents = tree.extents();
     let half = float(size) * 0.5;
     let mut wanted = Vec::new();
-    for &subject in &plan.subjects {
+    for (&subject, &small) in plan.subjects.iter().zip(&plan.small) {
         let (level, prototype) = subject_at(subject);
         let (bounds, share) = match subject {
             Subject::Combined { .. } => {
-                let depth = tree.levels[level].depth.min(COMBINED_SHARE.len() - 1);
+                let back = Similarity {
+                    rotation: Quat::from_rotation_y(-plan.turns[level][prototype]),
+                    ..Similarity::IDENTITY
+                };
                 (
-                    extents[level][prototype].bounds(&Similarity::IDENTITY),
-                    COMBINED_SHARE[depth],
+                    extents[level][prototype].bounds(&back),
+                    combined_share(tree, level),
                 )
             }
             Subject::Branch { .. } => (
@@ -303,6 +449,7 @@ fn layout(
                 BRANCH_SHARE,
             ),
         };
+        let share = if small { share * UNUSED_SHARE } else { share };
         let size = bounds.size().max(Vec3::splat(1e-6));
         for width in [size.x, size.z] {
             let density = half * share / width.max(size.y);
@@ -319,6 +466,15 @@ fn layout(
             width: longer * aspect.clamp(SLIMMEST_LEAF, 1.0),
             height: longer / aspect.max(1.0),
         });
+    }
+    for set in &plan.sets {
+        let bounds = extents[set.level][set.prototype].bounds(&Similarity::IDENTITY);
+        let share = combined_share(tree, set.level) * SET_SHARE;
+        let density = half * share / bounds.size().max_element().max(1e-6);
+        wanted.extend(set.planes.iter().map(|plane| Wanted {
+            width: 2.0 * plane.half[0] * density,
+            height: 2.0 * plane.half[1] * density,
+        }));
     }
     atlas::layout(size, &wanted).ok_or(BakeError::AtlasTooSmall {
         parts: wanted.len(),
@@ -378,7 +534,8 @@ fn copy_into(atlas: &mut Image<Texel>, rect: &Rect, image: &Image<Texel>) {
 
 /// By level: the turn in which its mean node stands in the world, where that matters for what it
 /// carries (a level below turns toward gravity); else no turn.
-fn standing(tree: &Tree) -> Vec<Quat> {
+#[must_use]
+pub fn standing(tree: &Tree) -> Vec<Quat> {
     /// Nodes looked at; the mean of more would hardly differ.
     const NODES: usize = 4096;
     let mut ups = vec![Vec3::ZERO; tree.levels.len()];

@@ -7,6 +7,7 @@
 //! Changes versus the paper: with `variants`, each prototype is captured; a branch level that carries
 //! nothing (roots, say) is its own sub-tree and has no combined capture.
 
+use crate::impostor::planes::Plane;
 use crate::tree::{Branch, Kind, Part, Tree};
 
 /// What one pair of captures shows.
@@ -36,6 +37,24 @@ pub struct Plan {
     /// By level and prototype: the subject that shows its branch type, and the factor from the captured
     /// prototype's size to its own.
     pub branch_types: Vec<Vec<Option<(usize, f32)>>>,
+    /// By level and prototype: turn of its combined captures about +Y, radians; 0 looks along the axes.
+    pub turns: Vec<Vec<f32>>,
+    /// Sets of planes that are captured beside the crossed quads.
+    pub sets: Vec<PlaneSet>,
+    /// By subject: true if no LOD shows it, so that few texels are enough.
+    pub small: Vec<bool>,
+}
+
+/// Planes that show a prototype with all that grows on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneSet {
+    /// Level of the tree.
+    pub level: usize,
+    /// Prototype of the level.
+    pub prototype: usize,
+    /// The planes in the prototype's frame; their members count the items of the mesh that captures are
+    /// drawn from ([`crate::impostor::planes::items`]).
+    pub planes: Vec<Plane>,
 }
 
 /// Two views a subject.
@@ -74,9 +93,13 @@ impl Plan {
                 });
             }
         }
+        let turns = tree.levels.iter().map(|l| vec![0.0; l.prototypes.len()]);
         Self {
+            small: vec![false; subjects.len()],
             subjects,
             branch_types,
+            turns: turns.collect(),
+            sets: Vec::new(),
         }
     }
 
@@ -84,6 +107,12 @@ impl Plan {
     #[must_use]
     pub fn captures(&self) -> usize {
         self.subjects.len() * VIEWS
+    }
+
+    /// Number of renderings for sets of planes, on top of [`Plan::captures`].
+    #[must_use]
+    pub fn plane_captures(&self) -> usize {
+        self.sets.iter().map(|s| s.planes.len()).sum()
     }
 
     /// Index of the pair that shows a whole sub-tree.

@@ -3,11 +3,12 @@
 use super::BakeError;
 use super::bake::{inner_size, subject_at};
 use super::occlusion::Occlusion;
-use super::plan::{Subject, VIEWS};
+use super::plan::{PlaneSet, Subject, VIEWS};
 use super::raster::{Textures, View, Visibility};
 use crate::image::atlas::Rect;
 use crate::image::{Image, Texel};
-use crate::impostor::cross_quad::{CrossQuads, RIGHT};
+use crate::impostor::cross_quad::{self, CrossQuads, RIGHT};
+use crate::impostor::planes::{self, Plane};
 use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3, float};
 use crate::mesh::card::{Quad, UvRect};
@@ -17,7 +18,7 @@ use rayon::prelude::*;
 
 /// Geometry LOD of the captured branch itself: finer rings than a texel can show are wasted. Each level
 /// further out is smaller in the same picture, and takes one coarser.
-const CAPTURE_SPLINE_LOD: usize = 1;
+pub(crate) const CAPTURE_SPLINE_LOD: usize = 1;
 
 /// A branch that strays from its plane by more than this many of its radii would be seen twice.
 const DOUBLED_ABOVE: f32 = 1.5;
@@ -35,6 +36,17 @@ pub(super) struct Node {
     pub(super) turn: Quat,
     /// Mean thickness of the prototype's nodes.
     pub(super) thickness: f32,
+    /// Turn of the two views about +Y.
+    pub(super) cross: f32,
+}
+
+/// The right-hand directions of two captures turned about +Y.
+fn turned(cross: f32) -> [Vec3; VIEWS] {
+    if cross == 0.0 {
+        return RIGHT;
+    }
+    let turn = Quat::from_rotation_y(cross);
+    RIGHT.map(|right| turn * right)
 }
 
 /// What both views of a subject share.
@@ -49,14 +61,12 @@ struct Frame {
     thickness: f32,
 }
 
-/// The mean point of a branch's curve.
+/// The mean point of a part's curve.
 fn mean_axis(part: &Part) -> Option<Vec3> {
-    let Part::Branch(branch) = part else {
-        return None;
-    };
-    #[expect(clippy::cast_precision_loss, reason = "a few hundred samples")]
-    let count = branch.axis.len() as f32;
-    Some(branch.axis.iter().map(|s| s.position).sum::<Vec3>() / count)
+    match part {
+        Part::Branch(branch) => Some(cross_quad::mean_axis(branch)),
+        Part::Stool | Part::Leaf { .. } => None,
+    }
 }
 
 /// All that is needed to draw any subject.
@@ -82,7 +92,11 @@ impl Studio<'_> {
         let mesh = self.mesh(&form, level, prototype, node)?;
         let occlusion = Occlusion::of(&mesh);
         let part = &self.tree.prototype(level, prototype).part;
-        let second = if matches!(subject, Subject::Combined { .. }) && strays(part, RIGHT[0]) {
+        let rights = match subject {
+            Subject::Combined { .. } => turned(node.cross),
+            Subject::Branch { .. } => RIGHT,
+        };
+        let second = if matches!(subject, Subject::Combined { .. }) && strays(part, rights[0]) {
             form.templates[level][prototype] = None;
             Some(self.mesh(&form, level, prototype, node)?)
         } else {
@@ -99,10 +113,79 @@ impl Studio<'_> {
             thickness: node.thickness,
         };
         let second = second.as_ref().unwrap_or(&mesh);
+        let views = rights.map(|right| Self::view(&mesh, &frame, right));
         Ok([
-            self.view(&mesh, &frame, &occlusion, RIGHT[0], rects[0]),
-            self.view(second, &frame, &occlusion, RIGHT[1], rects[1]),
+            self.shot(&mesh, views[0], &occlusion, &frame, rects[0]),
+            self.shot(second, views[1], &occlusion, &frame, rects[1]),
         ])
+    }
+
+    /// Captures a set of planes.
+    pub(super) fn shoot_planes(
+        &self,
+        set: &PlaneSet,
+        source: Option<usize>,
+        node: Node,
+        rects: &[Rect],
+    ) -> Result<Vec<Shot>, BakeError> {
+        let (level, prototype) = (set.level, set.prototype);
+        // What a plane's members count are the items of this very mesh.
+        let state = self.state(Subject::Combined { level, prototype }, source);
+        let form = self.quads.form(self.tree, &state, self.bark_height);
+        let mesh = self.mesh(&form, level, prototype, node)?;
+        let occlusion = Occlusion::of(&mesh);
+        let items = planes::items(&mesh);
+        let shot = |(plane, rect): (&Plane, &Rect)| {
+            let part = planes::part(&mesh, &items, plane);
+            let frame = Frame {
+                thick: 0.0,
+                thickness: 1.0,
+                axis: Some(plane.centre),
+                bounds: Bounds::EMPTY,
+            };
+            let view = View {
+                centre: plane.centre,
+                right: plane.right,
+                up: plane.up,
+                half: plane.half,
+                width: 0,
+                height: 0,
+            };
+            self.shot(&part, view, &occlusion, &frame, rect)
+        };
+        Ok(set.planes.par_iter().zip(rects).map(shot).collect())
+    }
+
+    /// The frame of one upright view, tight around a mesh; its size in samples is still to be set.
+    fn view(mesh: &Mesh, frame: &Frame, right: Vec3) -> View {
+        let bounds = &frame.bounds;
+        let (centre, half) = if right == RIGHT[0] || right == RIGHT[1] {
+            let size = bounds.size().max(Vec3::splat(1e-5));
+            (bounds.centre(), [size.dot(right.abs()) * 0.5, size.y * 0.5])
+        } else {
+            let vertices = mesh.bark.vertices.iter().chain(&mesh.foliage.vertices);
+            let across = vertices.map(|v| Vec3::from(v.position).dot(right));
+            let (low, high) = across.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| {
+                (l.min(x), h.max(x))
+            });
+            let toward = right.cross(Vec3::Y);
+            let middle = bounds.centre();
+            (
+                right * ((low + high) * 0.5) + Vec3::Y * middle.y + toward * middle.dot(toward),
+                [
+                    ((high - low) * 0.5).max(1e-5),
+                    (bounds.size().y * 0.5).max(1e-5),
+                ],
+            )
+        };
+        View {
+            centre,
+            right,
+            up: Vec3::Y,
+            half,
+            width: 0,
+            height: 0,
+        }
     }
 
     /// In which form each level is drawn in a capture of `subject`.
@@ -160,25 +243,20 @@ impl Studio<'_> {
         Ok(mesh)
     }
 
-    fn view(
+    fn shot(
         &self,
         mesh: &Mesh,
-        frame: &Frame,
+        view: View,
         occlusion: &Occlusion,
-        right: Vec3,
+        frame: &Frame,
         rect: &Rect,
     ) -> Shot {
-        let bounds = &frame.bounds;
         let (width, height) = inner_size(rect);
-        let size = bounds.size().max(Vec3::splat(1e-5));
-        let half = [size.dot(right.abs()) * 0.5, size.y * 0.5];
+        let half = view.half;
         let view = View {
-            centre: bounds.centre(),
-            right,
-            up: Vec3::Y,
-            half,
             width: width * self.supersample,
             height: height * self.supersample,
+            ..view
         };
         let seen = Visibility::draw(mesh, self.textures, &view);
         let mut image = self.resolve(&seen, mesh, &view, occlusion, (width, height));
@@ -197,8 +275,8 @@ impl Studio<'_> {
             image,
             quad: Quad {
                 centre,
-                right,
-                up: Vec3::Y,
+                right: view.right,
+                up: view.up,
                 half,
                 thick,
                 captured_thickness: frame.thickness,

@@ -13,7 +13,7 @@ use crate::lod::{Form as LodForm, State};
 use crate::math::Vec3;
 use crate::mesh::card::{self, Quad, Relief, UvRect};
 use crate::mesh::{Form, Template, tube};
-use crate::tree::{Kind, Part, Prototype, Tree};
+use crate::tree::{Branch, Kind, Part, Prototype, Tree};
 
 /// The quads and cards that a tree's captures allow.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +22,8 @@ pub struct CrossQuads {
     pub combined: Vec<Vec<Option<[Quad; 2]>>>,
     /// By level and prototype: the branch alone.
     pub branches: Vec<Vec<Option<[Quad; 2]>>>,
+    /// Sets of planes, in the order of the plan that was captured.
+    pub sets: Vec<Vec<Quad>>,
     /// By leaf kind: its part of the atlas.
     pub leaves: Vec<UvRect>,
 }
@@ -38,6 +40,7 @@ impl CrossQuads {
         Self {
             combined: empty.clone(),
             branches: empty,
+            sets: Vec::new(),
             leaves,
         }
     }
@@ -46,10 +49,17 @@ impl CrossQuads {
     /// the bark, metres. A prototype without the capture that its form asks for is not drawn.
     #[must_use]
     pub fn form(&self, tree: &Tree, state: &State, bark_height: f32) -> Form {
+        self.scaled_form(tree, state, bark_height, 1.0)
+    }
+
+    /// The same with the quads of collapsed nodes `scale` times as large, each about its middle.
+    #[must_use]
+    pub fn scaled_form(&self, tree: &Tree, state: &State, bark_height: f32, scale: f32) -> Form {
         let template = |level: usize, index: usize, prototype: &Prototype| match state.forms[level]
         {
             LodForm::Inside => None,
-            LodForm::Collapsed => self.combined[level][index].map(|quads| card::quads(&quads)),
+            LodForm::Collapsed => self.combined[level][index]
+                .map(|quads| card::quads(&quads.map(|q| q.scaled_on(level, scale)))),
             LodForm::Quads => self.branches[level][index].map(|quads| card::quads(&quads)),
             LodForm::Geometry(lod) => self.geometry(&prototype.part, lod as usize, bark_height),
         };
@@ -80,10 +90,12 @@ impl CrossQuads {
             .flatten()
             .flatten()
             .flatten();
-        all.map(relief).collect()
+        all.chain(self.sets.iter().flatten()).map(relief).collect()
     }
 
-    fn geometry(&self, part: &Part, lod: usize, bark_height: f32) -> Option<Template> {
+    /// A part's own geometry: a tube of a spline LOD, a leaf card, or nothing.
+    #[must_use]
+    pub fn geometry(&self, part: &Part, lod: usize, bark_height: f32) -> Option<Template> {
         match part {
             Part::Stool => None,
             Part::Branch(branch) => Some(tube(branch, lod, bark_height)),
@@ -102,6 +114,14 @@ impl CrossQuads {
             }
         }
     }
+}
+
+/// The mean point of a branch's curve: quads that stand there show the branch once.
+#[must_use]
+pub fn mean_axis(branch: &Branch) -> Vec3 {
+    #[expect(clippy::cast_precision_loss, reason = "a few hundred samples")]
+    let count = branch.axis.len() as f32;
+    branch.axis.iter().map(|s| s.position).sum::<Vec3>() / count
 }
 
 /// A captured quad for a branch of the same shape and `factor` times the size.

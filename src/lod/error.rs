@@ -25,6 +25,35 @@ pub fn screen_size(error: f32, height: f32) -> f32 {
     }
 }
 
+/// Makes errors rise and screen sizes fall along a chain: a viewer would skip LODs otherwise.
+#[derive(Clone, Copy, Debug)]
+pub struct ScreenSizes {
+    height: f32,
+    before: Option<(f32, f32)>,
+}
+
+impl ScreenSizes {
+    /// For a tree of some height, metres.
+    #[must_use]
+    pub fn new(height: f32) -> Self {
+        Self {
+            height,
+            before: None,
+        }
+    }
+
+    /// Error and screen size of the next LOD from its measured error, metres.
+    pub fn next(&mut self, measured: f32) -> (f32, f32) {
+        let (floor, ceiling) = self
+            .before
+            .map_or((0.0, 1.0), |(e, s)| (e * 1.01, s * 0.99));
+        let error = measured.max(floor);
+        let size = screen_size(error, self.height).min(ceiling);
+        self.before = Some((error, size));
+        (error, size)
+    }
+}
+
 /// Error in metres of each form of each level: `errors[level]` is (by spline LOD, quads, collapsed).
 #[derive(Clone, Debug)]
 pub(super) struct FormErrors {

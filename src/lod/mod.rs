@@ -8,7 +8,7 @@ pub mod cut;
 mod error;
 mod select;
 
-pub use error::{SWITCH_PIXELS, screen_size};
+pub use error::{SWITCH_PIXELS, ScreenSizes, screen_size};
 pub use select::{Chain, ChainLod, Selector};
 
 use crate::tree::{Kind, Part, Tree};

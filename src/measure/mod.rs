@@ -3,6 +3,9 @@
 //! Used twice, with views that never mix: to calibrate and choose LODs while a tree is made, and to judge
 //! the finished ones.
 
+mod context;
 pub mod flip;
+pub mod menu;
 pub mod silhouette;
 pub mod views;
+pub mod yardstick;

@@ -25,6 +25,19 @@ impl Cutouts {
             mips: mips.iter().map(cut).collect(),
         }
     }
+
+    /// One picture of coverage, without mips.
+    #[must_use]
+    pub fn from_silhouette(silhouette: Silhouette) -> Self {
+        let Silhouette {
+            width,
+            height,
+            covered,
+        } = silhouette;
+        Self {
+            mips: vec![Image::from_texels(width, height, covered)],
+        }
+    }
 }
 
 /// Covered pixels of one picture, row by row from the top.

@@ -57,6 +57,20 @@ pub fn calibration() -> Vec<Direction> {
     views
 }
 
+/// Directions from all around, above and below: for sub-trees, which stand at any angle.
+#[must_use]
+pub fn sphere(count: usize) -> Vec<Direction> {
+    let count = u32::try_from(count).unwrap_or(u32::MAX);
+    let direction = |i: u32| {
+        let height = 1.0 - 2.0 * (float(i) + 0.5) / float(count);
+        Direction {
+            azimuth: 0.3 + GOLDEN * float(i),
+            elevation: libm::asinf(height),
+        }
+    };
+    (0..count).map(direction).collect()
+}
+
 /// `count` directions, evenly spread in azimuth and between two elevations in degrees.
 fn spread(count: usize, [low, high]: [f32; 2], start: f32) -> Vec<Direction> {
     let count = u32::try_from(count).unwrap_or(u32::MAX);

@@ -85,6 +85,33 @@ pub struct Quad {
     pub uv: UvRect,
 }
 
+impl Quad {
+    /// The same picture on a quad `factor` times as large about its middle.
+    #[must_use]
+    pub fn scaled(&self, factor: f32) -> Self {
+        Self {
+            half: self.half.map(|h| h * factor),
+            thick: self.thick * factor,
+            ..*self
+        }
+    }
+
+    /// The same, but an upright quad of the first level grows in width only: it stands on the ground, and
+    /// must neither sink nor rise.
+    #[must_use]
+    pub fn scaled_on(&self, level: usize, factor: f32) -> Self {
+        let scaled = self.scaled(factor);
+        if level == 0 && self.up == Vec3::Y {
+            Self {
+                half: [scaled.half[0], self.half[1]],
+                ..scaled
+            }
+        } else {
+            scaled
+        }
+    }
+}
+
 /// One capture's place in the atlas and its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relief {

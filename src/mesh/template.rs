@@ -1,6 +1,6 @@
 //! The geometry of one prototype's own part, once, in its own frame; nodes are copies of it.
 
-use super::{Primitive, Vertex};
+use super::{Mesh, Primitive, Vertex};
 use crate::math::{Similarity, Vec3};
 
 /// A vertex as an axis point plus an offset, so that a node's thickness is a multiplication.
@@ -40,6 +40,28 @@ pub struct Template {
 }
 
 impl Template {
+    /// The template as a mesh of its own.
+    #[must_use]
+    pub fn placed(&self, place: &Similarity, thickness: f32) -> Mesh {
+        let zero: Vertex = bytemuck::Zeroable::zeroed();
+        let mut primitive = Primitive {
+            vertices: vec![zero; self.vertices.len()],
+            indices: vec![0; self.indices.len()],
+        };
+        let Primitive { vertices, indices } = &mut primitive;
+        self.write(place, thickness, vertices, indices, 0);
+        match self.material {
+            Material::Bark => Mesh {
+                bark: primitive,
+                ..Mesh::default()
+            },
+            Material::Foliage => Mesh {
+                foliage: primitive,
+                ..Mesh::default()
+            },
+        }
+    }
+
     /// Copies the template into place. The slices must be exactly as long as the template.
     #[inline]
     pub(super) fn write(

@@ -433,6 +433,7 @@ pub(crate) fn stand_ins(tree: &Tree) -> CrossQuads {
     CrossQuads {
         combined: all.clone(),
         branches: all,
+        sets: Vec::new(),
         leaves: Vec::new(),
     }
 }

@@ -1,12 +1,20 @@
 //! The list of stages: from a species and a seed to a finished [`TreeAsset`].
 
+mod choose;
+
+pub use choose::Selection;
+
+use self::choose::Fitting;
 use crate::asset::{AssetLod, Surface, TreeAsset};
 use crate::capture::{self, ALPHA_CUTOFF, BakeError, LeafArtwork, Plan};
 use crate::image::dilate::dilate;
 use crate::image::{Image, Texel, mips};
 use crate::impostor::cross_quad::CrossQuads;
-use crate::lod::{Chain, Selector};
+use crate::lod::Selector;
 use crate::math::{Bounds, byte_from_unit};
+use crate::measure::menu::{self, Forms};
+use crate::measure::silhouette::Cutouts;
+use crate::measure::yardstick::Yardstick;
 use crate::mesh::{Flattener, Mesh, TooLarge};
 use crate::report::{Cancelled, Progress, Warning};
 use crate::shadow::{self, Shadows};
@@ -30,6 +38,10 @@ pub struct Settings {
     pub bark_size: u32,
     /// How shadows are baked.
     pub shadows: shadow::Settings,
+    /// How LODs are chosen under their budgets.
+    pub selection: Selection,
+    /// True to scale each LOD's quads so that it covers as much as full detail.
+    pub calibrate: bool,
     /// How large a tree may be.
     pub limits: Limits,
 }
@@ -43,6 +55,8 @@ impl Default for Settings {
             captures: capture::Settings::default(),
             bark_size: 512,
             shadows: shadow::Settings::default(),
+            selection: Selection::default(),
+            calibrate: true,
             limits: Limits::default(),
         }
     }
@@ -97,8 +111,13 @@ pub fn generate(
     let tree = tree::grow(species, seed, &settings.limits)?;
     let artwork = artwork(species, seed, files)?;
     let bark = bark(species, seed, settings.bark_size, files)?;
-    let plan = Plan::of(&tree);
+    let mut plan = Plan::of(&tree);
     let height = species.bark.height_m();
+    let forms = forms(species, settings, &tree, &artwork)?;
+    let budgets = settings.budgets.as_deref().unwrap_or(&species.lod.budgets);
+    let budgets = (budgets, settings.full);
+    let drafts = choose::draft(&tree, &species.lod, forms.as_ref(), budgets);
+    let used = choose::extend(&mut plan, &tree, forms.as_ref(), &drafts);
     let baked = capture::bake(
         &tree,
         &plan,
@@ -107,10 +126,24 @@ pub fn generate(
         &settings.captures,
         progress,
     )?;
-    let chain = chain(species, settings, &tree)?;
-    let lods = lods(&tree, &chain, &baked.quads, height)?;
+    let fitting = Fitting {
+        tree: &tree,
+        forms: forms.as_ref(),
+        used: &used,
+        quads: &baked.quads,
+        bark_height: height,
+        calibrate: settings.calibrate,
+        selection: settings.selection,
+    };
+    let lods = lods(species, &fitting, &drafts.drafts, &baked)?;
+    if lods.is_empty() {
+        return Err(GenerateError::NoLod {
+            budgets: budgets.0.to_vec(),
+            smallest: Selector::new(&tree, &species.lod).smallest_triangles(),
+        });
+    }
     let mut warnings = baked.warnings;
-    warnings.extend(chain.warnings);
+    warnings.extend(drafts.warnings);
     let (shadows, warning) = shadows(
         species,
         settings,
@@ -129,6 +162,7 @@ pub fn generate(
         slug: species.slug.clone(),
         seed,
         captures: plan.captures(),
+        plane_captures: plan.plane_captures(),
         sources,
         bounds: lods
             .iter()
@@ -230,37 +264,58 @@ fn bark(
     Ok(mips::chain(base, 10, ALPHA_CUTOFF))
 }
 
-fn chain(species: &Species, settings: &Settings, tree: &Tree) -> Result<Chain, GenerateError> {
-    let budgets = settings.budgets.as_deref().unwrap_or(&species.lod.budgets);
-    let selector = Selector::new(tree, &species.lod);
-    let chain = selector.chain(budgets, settings.full);
-    if chain.lods.is_empty() {
-        return Err(GenerateError::NoLod {
-            budgets: budgets.to_vec(),
-            smallest: selector.smallest_triangles(),
-        });
+/// Trees of more leaf cards are not measured form by form: their LODs are chosen by level-wide steps.
+const MEASURED_CARDS: u64 = 150_000;
+
+/// The forms of all prototypes with their measured errors; `None` if nothing would use them.
+fn forms(
+    species: &Species,
+    settings: &Settings,
+    tree: &Tree,
+    artwork: &Artwork<'_>,
+) -> Result<Option<Forms>, GenerateError> {
+    let nodes = tree.nodes();
+    let levels = nodes.iter().zip(&tree.levels);
+    let cards: u64 = levels
+        .filter(|(_, level)| level.kind == tree::Kind::Leaf)
+        .flat_map(|(nodes, _)| nodes)
+        .sum();
+    if settings.selection == Selection::Levels || cards > MEASURED_CARDS {
+        return Ok(None);
     }
-    Ok(chain)
+    let (sheet, places) = capture::leaf_sheet(artwork)?;
+    let cutouts = Cutouts::of(&mips::chain(sheet, 6, ALPHA_CUTOFF));
+    let leaves = CrossQuads::none(tree, places);
+    let turns = capture::standing(tree);
+    Ok(Some(menu::forms(
+        tree,
+        &species.lod,
+        &leaves,
+        &cutouts,
+        &turns,
+    )?))
 }
 
+/// Triangles of the mesh that LODs are measured against: more would not show.
+const REFERENCE_TRIANGLES: u64 = 600_000;
+
+/// LODs from their drafts, measured against full detail.
 fn lods(
-    tree: &Tree,
-    chain: &Chain,
-    quads: &CrossQuads,
-    height: f32,
-) -> Result<Vec<AssetLod>, TooLarge> {
-    let lod = |lod: &crate::lod::ChainLod| {
-        let form = quads.form(tree, &lod.state, height);
-        Ok(AssetLod {
-            budget: lod.budget,
-            state: lod.state.describe(tree),
-            triangles: lod.triangles,
-            error_m: lod.error_m,
-            screen_size: lod.screen_size,
-            mesh: Flattener::new(tree, &form).tree()?,
-        })
-    };
-    chain.lods.iter().map(lod).collect()
+    species: &Species,
+    fitting: &Fitting<'_>,
+    drafts: &[choose::Draft],
+    baked: &capture::Baked,
+) -> Result<Vec<AssetLod>, GenerateError> {
+    let full = choose::reference(
+        fitting.tree,
+        &species.lod,
+        fitting.quads,
+        fitting.bark_height,
+        REFERENCE_TRIANGLES,
+    )?;
+    let cutouts = Cutouts::of(&mips::chain(baked.atlas.clone(), 5, ALPHA_CUTOFF));
+    let yardstick = Yardstick::new(&full, &cutouts);
+    fitting.lods(drafts, &yardstick, &cutouts, full.bounds().size().y)
 }
 
 /// Triangles that the shadows are cast by at most: more would not show in a soft shadow.

@@ -1,0 +1,424 @@
+//! What each prototype's nodes may be drawn as, with the measured error of each form.
+//!
+//! Sources: Koniaris et al. 2009 (crossed quads, single branches as quads, spline LODs); Garcia et al. 2005
+//! (planes fitted to leaves). Which is better depends on the part: crossed quads suit bushy sub-trees, fitted
+//! planes suit fronds. So all are tried, and the selector takes what errs least per triangle.
+//!
+//! The error of a form is the area of silhouette in which it differs from full detail, mean over views, with
+//! the form's quads scaled so that they cover as much as what they stand for. It is measured on the nodes of
+//! one parent; what the rest of the crown hides is estimated from how much the silhouettes of all parents
+//! overlap in the whole tree.
+
+use super::context::{Context, Gauge, TrialQuad, cards};
+use super::silhouette::Cutouts;
+use crate::impostor::cross_quad::{self, CrossQuads};
+use crate::impostor::planes::{self, Plane};
+use crate::lod::cut::{Menu, Offer};
+use crate::math::{PI, Quat, Vec3};
+use crate::mesh::{Mesh, TooLarge, tube};
+use crate::species::schema::{Lod, Simplification};
+use crate::tree::{Branch, Kind, Part, Tree};
+use rayon::prelude::*;
+
+/// In which form a prototype's node is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Look {
+    /// Its own branch as a tube of a spline LOD; what it carries for itself.
+    Geometry(u8),
+    /// Its own branch as two quads; what it carries for itself.
+    Quads,
+    /// Its own branch left out; what it carries for itself.
+    Bare,
+    /// All of it as two crossed quads, scaled by a factor at which they cover what they stand for.
+    Cross(f32),
+    /// All of it as a set of planes.
+    Planes(Set),
+}
+
+/// A set of planes that shows a prototype with all that grows on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Set {
+    /// The planes, in the prototype's frame.
+    pub planes: Vec<Plane>,
+    /// Factor on the quads' size at which they cover what they stand for.
+    pub scale: f32,
+    /// In words: `cross+top`, `planes 8`.
+    pub name: String,
+}
+
+/// All forms of all prototypes.
+#[derive(Clone, Debug)]
+pub struct Forms {
+    /// By level and prototype, in the order of the menu's offers.
+    pub looks: Vec<Vec<Vec<Look>>>,
+    /// The same in numbers, for the selector.
+    pub menu: Menu,
+    /// By level and prototype: turn of the crossed quads about +Y, radians.
+    pub turns: Vec<Vec<f32>>,
+}
+
+/// Sub-trees of more cards are measured by themselves, not with their siblings.
+const CONTEXT_CARDS: u64 = 4000;
+
+/// Sub-trees of more cards get crossed quads only: fitting planes to them would cost more than it gives.
+const FITTED_CARDS: u64 = 2500;
+
+/// Numbers of fitted planes that are tried.
+const FITTED: [usize; 7] = [3, 4, 6, 8, 12, 16, 24];
+
+/// Turns of the crossed quads that are tried, over a quarter turn.
+const TURNS: u16 = 4;
+
+/// A turn must lower the error by this part to be taken: captures along the axes are easier to read.
+const TURN_GAIN: f32 = 0.03;
+
+/// Smallest and largest scale of a form's quads.
+pub const SCALES: [f32; 2] = [0.85, 1.25];
+
+/// Finds and measures all forms.
+///
+/// `cutouts` holds the leaf kinds, whose places `leaves` gives; `turns` how the mean node of each level
+/// stands.
+///
+/// # Errors
+/// If a sub-tree is too large for 32-bit indices.
+pub fn forms(
+    tree: &Tree,
+    lod: &Lod,
+    leaves: &CrossQuads,
+    cutouts: &Cutouts,
+    turns: &[Quat],
+) -> Result<Forms, TooLarge> {
+    let gauge = Gauge {
+        tree,
+        quads: leaves,
+        cutouts,
+        turns,
+    };
+    let seats: Vec<(usize, usize)> = (0..tree.levels.len())
+        .flat_map(|l| (0..tree.levels[l].prototypes.len()).map(move |p| (l, p)))
+        .collect();
+    let found: Result<Vec<Found>, TooLarge> = seats
+        .par_iter()
+        .map(|&seat| gauge.forms_of(seat, lod))
+        .collect();
+    let found = found?;
+    let hidden = hidden(tree, &seats, &found);
+    let mut forms = Forms {
+        looks: rows(tree, Vec::new()),
+        menu: Menu {
+            offers: rows(tree, Vec::new()),
+        },
+        turns: rows(tree, 0.0),
+    };
+    for ((&(level, prototype), found), hidden) in seats.iter().zip(found).zip(hidden) {
+        forms.turns[level][prototype] = found.turn;
+        for (look, offer) in found.forms {
+            let part = if offer.open { hidden[0] } else { hidden[1] };
+            forms.looks[level][prototype].push(look);
+            forms.menu.offers[level][prototype].push(Offer {
+                error: offer.error * part,
+                ..offer
+            });
+        }
+    }
+    Ok(forms)
+}
+
+fn rows<T: Clone>(tree: &Tree, value: T) -> Vec<Vec<T>> {
+    tree.levels
+        .iter()
+        .map(|l| vec![value.clone(); l.prototypes.len()])
+        .collect()
+}
+
+/// What was found for one prototype.
+#[derive(Default)]
+struct Found {
+    forms: Vec<(Look, Offer)>,
+    turn: f32,
+    /// Silhouette of the prototype's sub-tree, square metres.
+    own_area: f32,
+    /// The same of the context in which whole nodes were tried, and that context's seat.
+    context: (f32, (usize, usize)),
+}
+
+/// By seat: the part of an error that is seen in the whole tree, for the node's own branch and for the whole
+/// node.
+///
+/// With n silhouettes of area a that together cover area u, a point of one is hidden by others with
+/// probability about 1 - u / (n a); an error needs both the reference and the form to be seen there, hence
+/// the square.
+fn hidden(tree: &Tree, seats: &[(usize, usize)], found: &[Found]) -> Vec<[f32; 2]> {
+    let whole = found.first().map_or(0.0, |f| f.own_area);
+    let scales = squared_scales(tree);
+    let part = |area: f32, (level, prototype): (usize, usize)| {
+        let sum: f32 = area * scales[level][prototype];
+        let seen = if sum > 0.0 {
+            (whole / sum).min(1.0)
+        } else {
+            1.0
+        };
+        seen * seen
+    };
+    seats
+        .iter()
+        .zip(found)
+        .map(|(&seat, found)| {
+            [
+                part(found.own_area, seat),
+                part(found.context.0, found.context.1),
+            ]
+        })
+        .collect()
+}
+
+/// By level and prototype: the sum of its nodes' squared scales.
+fn squared_scales(tree: &Tree) -> Vec<Vec<f32>> {
+    let mut sums = rows(tree, 0.0_f32);
+    if let Some(first) = sums.first_mut().and_then(|s| s.first_mut()) {
+        *first = 1.0;
+    }
+    for level in 0..tree.levels.len() {
+        for (prototype, shared) in tree.levels[level].prototypes.iter().enumerate() {
+            let sum = sums[level][prototype];
+            for link in &shared.links {
+                let scale = link.place.scale;
+                sums[link.level as usize][link.prototype as usize] += sum * scale * scale;
+            }
+        }
+    }
+    sums
+}
+
+impl Gauge<'_> {
+    fn forms_of(&self, seat: (usize, usize), lod: &Lod) -> Result<Found, TooLarge> {
+        let (level, prototype) = seat;
+        let mut found = Found::default();
+        match &self.tree.prototype(level, prototype).part {
+            Part::Leaf { .. } => return Ok(found),
+            Part::Stool => found.forms.push((Look::Bare, open(0, 0.0))),
+            Part::Branch(branch) => self.own_part_forms(seat, branch, lod, &mut found)?,
+        }
+        if self.tree.has_children(level) {
+            self.closed_forms(seat, &mut found)?;
+        }
+        Ok(found)
+    }
+
+    /// The node's own branch: spline LODs, quads, nothing.
+    fn own_part_forms(
+        &self,
+        (level, prototype): (usize, usize),
+        branch: &Branch,
+        lod: &Lod,
+        found: &mut Found,
+    ) -> Result<(), TooLarge> {
+        let context = self.own_part(level, prototype)?;
+        found.own_area = context.area();
+        found.context = (found.own_area, (level, prototype));
+        let splines = if lod.priorities.contains(&Simplification::Splines) {
+            lod.tolerances.len().max(1)
+        } else {
+            1
+        };
+        let place = crate::math::Similarity::IDENTITY;
+        let mesh = |lod: usize| tube(branch, lod, 1.0).placed(&place, 1.0);
+        for lod in 0..splines {
+            let error = match lod {
+                0 => 0.0,
+                _ => context.try_mesh(Some(&mesh(lod)), self.cutouts).error,
+            };
+            let look = Look::Geometry(u8::try_from(lod).unwrap_or(u8::MAX));
+            found.forms.push((look, open(branch.triangles(lod), error)));
+        }
+        // The trunk must stand, and a branch that carries nothing must be seen.
+        let carries = self.tree.has_children(level);
+        if lod.priorities.contains(&Simplification::Branches) {
+            let own = mesh(0);
+            let quads = crossed(
+                &own,
+                &own,
+                mean_axis(branch),
+                0.0,
+                self.cutouts,
+                context.sample,
+            );
+            let error = context.try_quads(&quads, 1.0).error;
+            found.forms.push((Look::Quads, open(4, error)));
+        }
+        if carries && level > 0 {
+            let error = context.try_mesh(None, self.cutouts).error;
+            found.forms.push((Look::Bare, open(0, error)));
+        }
+        // Errors of coarser tubes never fall, or the selector would prefer them for the noise's sake.
+        let mut floor = 0.0_f32;
+        for (look, offer) in &mut found.forms {
+            if matches!(look, Look::Geometry(_)) {
+                floor = floor.max(offer.error);
+                offer.error = floor;
+            }
+        }
+        Ok(())
+    }
+
+    /// The whole node: crossed quads in their best turn, with a level plane, fitted planes.
+    fn closed_forms(&self, seat: (usize, usize), found: &mut Found) -> Result<(), TooLarge> {
+        let (level, prototype) = seat;
+        let own = self.subtree(level, prototype)?;
+        let context = self.whole_node(seat, CONTEXT_CARDS)?;
+        if found.own_area == 0.0 {
+            found.own_area = context.area();
+        }
+        found.context = self.context_seat(seat, &context, found.own_area);
+        let items = planes::items(&own);
+        let through = match &self.tree.prototype(level, prototype).part {
+            Part::Branch(branch) => mean_axis(branch),
+            _ => own.bounds().centre(),
+        };
+        let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32) {
+            let quads: Vec<TrialQuad> = planes
+                .iter()
+                .map(|plane| {
+                    let part = planes::part(&own, &items, plane);
+                    TrialQuad::of(&part, plane, self.cutouts, context.sample)
+                })
+                .collect();
+            let (scale, error) = best_scale(&context, &quads);
+            (
+                Set {
+                    planes,
+                    scale,
+                    name,
+                },
+                error,
+            )
+        };
+        let star = |upright: u16, turn: f32, level: bool| {
+            planes::star(&own, through, upright, turn, level)
+        };
+        let mut best = attempt(star(2, 0.0, false), String::new());
+        for turn in 1..TURNS {
+            let turn = PI * 0.5 * f32::from(turn) / f32::from(TURNS);
+            let other = attempt(star(2, turn, false), String::new());
+            if other.1 < best.1 * (1.0 - TURN_GAIN) {
+                found.turn = turn;
+                best = other;
+            }
+        }
+        let turn = found.turn;
+        found
+            .forms
+            .push((Look::Cross(best.0.scale), closed(4, best.1)));
+        let mut sets = vec![attempt(star(2, turn, true), "cross+top".to_owned())];
+        if level == 0 {
+            sets.push(attempt(star(3, turn, true), "star+top".to_owned()));
+        }
+        let leaves = cards(self.tree, level, prototype);
+        if leaves <= FITTED_CARDS {
+            for count in FITTED {
+                // More planes than leaves are the leaves themselves.
+                if 2 * count as u64 <= leaves {
+                    let set = planes::fitted(&items, count);
+                    sets.push(attempt(set, format!("planes {count}")));
+                }
+            }
+        }
+        for (set, error) in sets {
+            let triangles = 2 * set.planes.len() as u64;
+            found
+                .forms
+                .push((Look::Planes(set), closed(triangles, error)));
+        }
+        keep_the_useful(&mut found.forms);
+        Ok(())
+    }
+
+    /// Area and seat of the context that whole nodes were tried in.
+    fn context_seat(
+        &self,
+        seat: (usize, usize),
+        context: &Context,
+        own_area: f32,
+    ) -> (f32, (usize, usize)) {
+        match self.context_of(seat, CONTEXT_CARDS) {
+            Some(parent) => (context.area(), parent),
+            None => (own_area, seat),
+        }
+    }
+}
+
+/// Closed forms that another one beats with no more triangles are no use; crossed quads always stay.
+fn keep_the_useful(forms: &mut Vec<(Look, Offer)>) {
+    let offers: Vec<Offer> = forms.iter().map(|(_, o)| *o).collect();
+    forms.retain(|(look, offer)| {
+        offer.open
+            || matches!(look, Look::Cross(_))
+            || !offers.iter().any(|other| {
+                !other.open && other.triangles <= offer.triangles && other.error < offer.error
+            })
+    });
+}
+
+/// The scale at which quads cover as much as full detail, within bounds, and the error there.
+fn best_scale(context: &Context, quads: &[TrialQuad]) -> (f32, f32) {
+    let plain = context.try_quads(quads, 1.0);
+    let [low, high] = SCALES;
+    // Area goes with the square of the scale where nothing overlaps; crowns overlap.
+    let guess = (1.0 / plain.coverage.max(0.1)).sqrt().clamp(low, high);
+    if (guess - 1.0).abs() < 0.005 {
+        return (1.0, plain.error);
+    }
+    let second = context.try_quads(quads, guess);
+    let slope = (second.coverage - plain.coverage) / (guess - 1.0);
+    let scale = if slope > 1e-3 {
+        (1.0 + (1.0 - plain.coverage) / slope).clamp(low, high)
+    } else {
+        guess
+    };
+    let third = context.try_quads(quads, scale);
+    (scale, third.error)
+}
+
+/// Trial captures of crossed quads.
+fn crossed(
+    shown: &Mesh,
+    framed: &Mesh,
+    through: Vec3,
+    turn: f32,
+    cutouts: &Cutouts,
+    sample: f32,
+) -> Vec<TrialQuad> {
+    planes::star(framed, through, 2, turn, false)
+        .iter()
+        .map(|plane| TrialQuad::of(shown, plane, cutouts, sample))
+        .collect()
+}
+
+/// The mean point of a branch's curve.
+#[must_use]
+pub fn mean_axis(branch: &Branch) -> Vec3 {
+    cross_quad::mean_axis(branch)
+}
+
+fn open(triangles: u64, error: f32) -> Offer {
+    Offer {
+        triangles,
+        error,
+        open: true,
+    }
+}
+
+fn closed(triangles: u64, error: f32) -> Offer {
+    Offer {
+        triangles,
+        error,
+        open: false,
+    }
+}
+
+/// True if a level's nodes have forms to choose from.
+#[must_use]
+pub fn is_chosen(tree: &Tree, level: usize) -> bool {
+    tree.levels[level].kind != Kind::Leaf
+}
