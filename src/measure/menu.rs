@@ -113,6 +113,7 @@ pub fn forms(
     };
     for ((&(level, prototype), found), hidden) in seats.iter().zip(found).zip(hidden) {
         forms.turns[level][prototype] = found.turn;
+        if std::env::var_os("DUMP").is_some() { eprintln!("{level} {prototype} area {} ctx {:?} hidden {hidden:?}", found.own_area, found.context); }
         for (look, offer) in found.forms {
             let part = if offer.open { hidden[0] } else { hidden[1] };
             forms.looks[level][prototype].push(look);
@@ -421,4 +422,20 @@ fn closed(triangles: u64, error: f32) -> Offer {
 #[must_use]
 pub fn is_chosen(tree: &Tree, level: usize) -> bool {
     tree.levels[level].kind != Kind::Leaf
+}
+
+impl Forms {
+    /// For debugging.
+    pub fn dump(&self, tree: &Tree) {
+        let s = squared_scales(tree);
+        let n = tree.nodes();
+        for (l, lv) in tree.levels.iter().enumerate() {
+            for p in 0..lv.prototypes.len() {
+                for (look, o) in self.looks[l][p].iter().zip(&self.menu.offers[l][p]) {
+                    let name = match look { Look::Planes(x) => format!("{} s{:.2}", x.name, x.scale), o => format!("{o:?}") };
+                    eprintln!("{} {p} n{} {name} open {} T {} sum {:.3}", lv.name, n[l][p], o.open, o.triangles, o.error * s[l][p]);
+                }
+            }
+        }
+    }
 }
