@@ -5,8 +5,15 @@
 //! seen ([`crate::measure::views`]).
 
 mod report;
+#[cfg(test)]
+mod sample;
+mod summary;
+mod text;
 
 pub use report::html;
+pub use summary::{
+    Judgement, MAX_COVERAGE_ERROR, MIN_IOU, TABLE_HEADER, Verdict, judge, table_rows,
+};
 
 use serde::Serialize;
 
@@ -15,6 +22,8 @@ use serde::Serialize;
 pub struct Evaluation {
     /// Common name.
     pub name: String,
+    /// Botanical name; may be empty.
+    pub latin: String,
     /// File-name form of the name.
     pub slug: String,
     /// Seed.
