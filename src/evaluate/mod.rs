@@ -6,8 +6,15 @@
 
 mod report;
 pub mod rivals;
+#[cfg(test)]
+mod sample;
+mod summary;
+mod text;
 
 pub use report::html;
+pub use summary::{
+    Judgement, MAX_COVERAGE_ERROR, MIN_IOU, TABLE_HEADER, Verdict, judge, table_rows,
+};
 
 use serde::Serialize;
 
@@ -16,6 +23,8 @@ use serde::Serialize;
 pub struct Evaluation {
     /// Common name.
     pub name: String,
+    /// Botanical name; may be empty.
+    pub latin: String,
     /// File-name form of the name.
     pub slug: String,
     /// Seed.
