@@ -10,7 +10,7 @@ use crate::capture::{CAPTURE_SPLINE_LOD, View};
 use crate::impostor::cross_quad::CrossQuads;
 use crate::impostor::planes::Plane;
 use crate::lod::{Form as LodForm, State};
-use crate::math::{Bounds, Quat, Similarity, Vec3, float};
+use crate::math::{Bounds, Quat, Similarity, Vec3};
 use crate::mesh::card::{Quad, UvRect};
 use crate::mesh::{Flattener, Form, Mesh, TooLarge, card};
 use crate::tree::{Kind, Tree};
@@ -50,6 +50,13 @@ pub(super) struct Context {
     pub(super) nodes: Vec<Similarity>,
     /// Edge of a sample, metres.
     pub(super) sample: f32,
+}
+
+/// The whole tree as seen from some views.
+pub(super) struct Whole {
+    views: Vec<View>,
+    full: Vec<Silhouette>,
+    sample: f32,
 }
 
 /// How a form compares with full detail in a context.
@@ -242,9 +249,52 @@ impl Gauge<'_> {
         (directions.iter().map(view).collect(), sample)
     }
 
-    /// The prototype in whose sub-tree whole nodes of another are exchanged; `None` if by themselves.
-    pub(super) fn context_of(&self, seat: (usize, usize), limit: u64) -> Option<(usize, usize)> {
-        self.parent(seat, limit)
+    /// Full detail of the whole tree from every other calibration view.
+    pub(super) fn whole_tree(&self) -> Result<Whole, TooLarge> {
+        let full = self.subtree(0, 0)?;
+        let (views, sample) = self.views(0, &full);
+        let views: Vec<View> = views.into_iter().step_by(2).collect();
+        Ok(Whole {
+            full: silhouettes(&full, self.cutouts, &views),
+            views,
+            sample,
+        })
+    }
+
+    /// The error of the whole tree with all nodes of a level as crossed quads, square metres. `crosses` gives
+    /// each prototype's quads with their scale; those without stay as they are.
+    pub(super) fn level_error(
+        &self,
+        whole: &Whole,
+        level: usize,
+        crosses: &[Option<(&[TrialQuad], f32)>],
+    ) -> Result<f32, TooLarge> {
+        let rest = self.without_level((0, 0), level)?;
+        let nodes = self.nodes((0, 0), level);
+        let mut drawn: Vec<(Vec<Mesh>, Vec<&Cutouts>)> = Vec::new();
+        for (prototype, cross) in crosses.iter().enumerate() {
+            drawn.push(match cross {
+                Some((quads, scale)) => (
+                    quads.iter().map(|q| q.mesh(*scale)).collect(),
+                    quads.iter().map(|q| &q.cutouts).collect(),
+                ),
+                None => (vec![self.subtree(level, prototype)?], vec![self.cutouts]),
+            });
+        }
+        let miss = |(view, full): (&View, &Silhouette)| {
+            let mut silhouette = Silhouette::of(&rest, self.cutouts, view);
+            for (places, (meshes, cutouts)) in nodes.iter().zip(&drawn) {
+                for place in places {
+                    for (mesh, cutouts) in meshes.iter().zip(cutouts) {
+                        silhouette.add(mesh, place, cutouts, view);
+                    }
+                }
+            }
+            full.difference(&silhouette)
+        };
+        let misses: Vec<u64> = whole.views.par_iter().zip(&whole.full).map(miss).collect();
+        let views = real(whole.views.len().max(1) as u64);
+        Ok(real(misses.iter().sum()) * whole.sample * whole.sample / views)
     }
 
     /// The parent of at most `limit` cards that carries a prototype.
@@ -313,24 +363,16 @@ impl TrialQuad {
             cutouts: Cutouts::from_silhouette(silhouette),
         }
     }
+
+    fn mesh(&self, scale: f32) -> Mesh {
+        card::quads(&[self.quad.scaled(scale)]).placed(&Similarity::IDENTITY, 1.0)
+    }
 }
 
 impl Context {
-    /// Mean covered area of full detail, square metres.
-    pub(super) fn area(&self) -> f32 {
-        let sum: u64 = self.full.iter().map(Silhouette::area).sum();
-        real(sum) * self.sample * self.sample / float(u32::try_from(self.views.len()).unwrap_or(1))
-    }
-
     /// Draws the exchangeable nodes as quads, scaled by `scale`.
     pub(super) fn try_quads(&self, quads: &[TrialQuad], scale: f32) -> Trial {
-        let meshes: Vec<Mesh> = quads
-            .iter()
-            .map(|q| {
-                let template = card::quads(&[q.quad.scaled(scale)]);
-                template.placed(&Similarity::IDENTITY, 1.0)
-            })
-            .collect();
+        let meshes: Vec<Mesh> = quads.iter().map(|q| q.mesh(scale)).collect();
         self.compare(|silhouette, node, view| {
             for (mesh, quad) in meshes.iter().zip(quads) {
                 silhouette.add(mesh, node, &quad.cutouts, view);

@@ -66,6 +66,12 @@ const FITTED_CARDS: u64 = 2500;
 /// Numbers of fitted planes that are tried.
 const FITTED: [usize; 7] = [3, 4, 6, 8, 12, 16, 24];
 
+/// Numbers of clumps that are tried, as long as each has [`CLUMP_CARDS`].
+const CLUMPS: [usize; 6] = [2, 4, 8, 16, 32, 64];
+
+/// Fewest leaf cards of a clump, in the mean.
+const CLUMP_CARDS: u64 = 12;
+
 /// Turns of the crossed quads that are tried, over a quarter turn.
 const TURNS: u16 = 4;
 
@@ -102,8 +108,13 @@ pub fn forms(
         .par_iter()
         .map(|&seat| gauge.forms_of(seat, lod))
         .collect();
-    let found = found?;
-    let hidden = hidden(tree, &seats, &found);
+    let mut found = found?.into_iter();
+    let found: Vec<Vec<Found>> = tree
+        .levels
+        .iter()
+        .map(|l| found.by_ref().take(l.prototypes.len()).collect())
+        .collect();
+    let seen = seen_parts(&gauge, &found)?;
     let mut forms = Forms {
         looks: rows(tree, Vec::new()),
         menu: Menu {
@@ -111,16 +122,16 @@ pub fn forms(
         },
         turns: rows(tree, 0.0),
     };
-    for ((&(level, prototype), found), hidden) in seats.iter().zip(found).zip(hidden) {
-        forms.turns[level][prototype] = found.turn;
-        if std::env::var_os("DUMP").is_some() { eprintln!("{level} {prototype} area {} ctx {:?} hidden {hidden:?}", found.own_area, found.context); }
-        for (look, offer) in found.forms {
-            let part = if offer.open { hidden[0] } else { hidden[1] };
-            forms.looks[level][prototype].push(look);
-            forms.menu.offers[level][prototype].push(Offer {
-                error: offer.error * part,
-                ..offer
-            });
+    for (level, found) in found.into_iter().enumerate() {
+        for (prototype, found) in found.into_iter().enumerate() {
+            forms.turns[level][prototype] = found.turn;
+            for (look, offer) in found.forms {
+                forms.looks[level][prototype].push(look);
+                forms.menu.offers[level][prototype].push(Offer {
+                    error: offer.error * seen[level],
+                    ..offer
+                });
+            }
         }
     }
     Ok(forms)
@@ -133,46 +144,55 @@ fn rows<T: Clone>(tree: &Tree, value: T) -> Vec<Vec<T>> {
         .collect()
 }
 
+impl Found {
+    /// Scale of the crossed quads.
+    fn scale(&self) -> f32 {
+        let cross = self.forms.iter().find_map(|(look, _)| match look {
+            Look::Cross(scale) => Some(*scale),
+            _ => None,
+        });
+        cross.unwrap_or(1.0)
+    }
+}
+
 /// What was found for one prototype.
 #[derive(Default)]
 struct Found {
     forms: Vec<(Look, Offer)>,
     turn: f32,
-    /// Silhouette of the prototype's sub-tree, square metres.
-    own_area: f32,
-    /// The same of the context in which whole nodes were tried, and that context's seat.
-    context: (f32, (usize, usize)),
+    /// Trial captures of its crossed quads, and the scale of the error that they were found to have.
+    cross: Option<(Vec<TrialQuad>, f32)>,
 }
 
-/// By seat: the part of an error that is seen in the whole tree, for the node's own branch and for the whole
-/// node.
+/// By level: the part of the errors, measured on the nodes of one parent, that is seen in the whole tree.
 ///
-/// With n silhouettes of area a that together cover area u, a point of one is hidden by others with
-/// probability about 1 - u / (n a); an error needs both the reference and the form to be seen there, hence
-/// the square.
-fn hidden(tree: &Tree, seats: &[(usize, usize)], found: &[Found]) -> Vec<[f32; 2]> {
-    let whole = found.first().map_or(0.0, |f| f.own_area);
-    let scales = squared_scales(tree);
-    let part = |area: f32, (level, prototype): (usize, usize)| {
-        let sum: f32 = area * scales[level][prototype];
-        let seen = if sum > 0.0 {
-            (whole / sum).min(1.0)
-        } else {
-            1.0
-        };
-        seen * seen
-    };
-    seats
-        .iter()
-        .zip(found)
-        .map(|(&seat, found)| {
-            [
-                part(found.own_area, seat),
-                part(found.context.0, found.context.1),
-            ]
-        })
-        .collect()
+/// Nodes hide each other's errors. How much is measured with all nodes of a level as crossed quads at once,
+/// against the sum of what they were found to err one parent at a time; other forms of the level are taken to
+/// be hidden alike.
+fn seen_parts(gauge: &Gauge<'_>, found: &[Vec<Found>]) -> Result<Vec<f32>, TooLarge> {
+    let whole = gauge.whole_tree()?;
+    let scales = squared_scales(gauge.tree);
+    let mut parts = vec![1.0; found.len()];
+    for (level, found) in found.iter().enumerate().skip(1) {
+        let crosses: Vec<Option<(&[TrialQuad], f32)>> = found
+            .iter()
+            .map(|f| f.cross.as_ref().map(|(quads, _)| (&quads[..], f.scale())))
+            .collect();
+        let expected: f32 = found
+            .iter()
+            .zip(&scales[level])
+            .filter_map(|(f, scale)| f.cross.as_ref().map(|(_, error)| error * scale))
+            .sum();
+        if expected > 0.0 {
+            let error = gauge.level_error(&whole, level, &crosses)?;
+            parts[level] = (error / expected).clamp(SEEN[0], SEEN[1]);
+        }
+    }
+    Ok(parts)
 }
+
+/// Bounds of the part of errors that is seen.
+const SEEN: [f32; 2] = [0.02, 1.5];
 
 /// By level and prototype: the sum of its nodes' squared scales.
 fn squared_scales(tree: &Tree) -> Vec<Vec<f32>> {
@@ -216,8 +236,6 @@ impl Gauge<'_> {
         found: &mut Found,
     ) -> Result<(), TooLarge> {
         let context = self.own_part(level, prototype)?;
-        found.own_area = context.area();
-        found.context = (found.own_area, (level, prototype));
         let splines = if lod.priorities.contains(&Simplification::Splines) {
             lod.tolerances.len().max(1)
         } else {
@@ -268,24 +286,22 @@ impl Gauge<'_> {
         let (level, prototype) = seat;
         let own = self.subtree(level, prototype)?;
         let context = self.whole_node(seat, CONTEXT_CARDS)?;
-        if found.own_area == 0.0 {
-            found.own_area = context.area();
-        }
-        found.context = self.context_seat(seat, &context, found.own_area);
         let items = planes::items(&own);
         let through = match &self.tree.prototype(level, prototype).part {
             Part::Branch(branch) => mean_axis(branch),
             _ => own.bounds().centre(),
         };
-        let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32) {
-            let quads: Vec<TrialQuad> = planes
+        let trial = |planes: &[Plane]| -> Vec<TrialQuad> {
+            planes
                 .iter()
                 .map(|plane| {
                     let part = planes::part(&own, &items, plane);
                     TrialQuad::of(&part, plane, self.cutouts, context.sample)
                 })
-                .collect();
-            let (scale, error) = best_scale(&context, &quads);
+                .collect()
+        };
+        let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32) {
+            let (scale, error) = best_scale(&context, &trial(&planes));
             (
                 Set {
                     planes,
@@ -308,6 +324,7 @@ impl Gauge<'_> {
             }
         }
         let turn = found.turn;
+        found.cross = Some((trial(&best.0.planes), best.1));
         found
             .forms
             .push((Look::Cross(best.0.scale), closed(4, best.1)));
@@ -316,6 +333,16 @@ impl Gauge<'_> {
             sets.push(attempt(star(3, turn, true), "star+top".to_owned()));
         }
         let leaves = cards(self.tree, level, prototype);
+        for count in CLUMPS {
+            if CLUMP_CARDS * count as u64 > leaves {
+                break;
+            }
+            for top in [false, true] {
+                let set = planes::clumps(&items, count, turn, top);
+                let top = if top { "+top" } else { "" };
+                sets.push(attempt(set, format!("clumps {count}{top}")));
+            }
+        }
         if leaves <= FITTED_CARDS {
             for count in FITTED {
                 // More planes than leaves are the leaves themselves.
@@ -333,19 +360,6 @@ impl Gauge<'_> {
         }
         keep_the_useful(&mut found.forms);
         Ok(())
-    }
-
-    /// Area and seat of the context that whole nodes were tried in.
-    fn context_seat(
-        &self,
-        seat: (usize, usize),
-        context: &Context,
-        own_area: f32,
-    ) -> (f32, (usize, usize)) {
-        match self.context_of(seat, CONTEXT_CARDS) {
-            Some(parent) => (context.area(), parent),
-            None => (own_area, seat),
-        }
     }
 }
 
@@ -432,8 +446,18 @@ impl Forms {
         for (l, lv) in tree.levels.iter().enumerate() {
             for p in 0..lv.prototypes.len() {
                 for (look, o) in self.looks[l][p].iter().zip(&self.menu.offers[l][p]) {
-                    let name = match look { Look::Planes(x) => format!("{} s{:.2}", x.name, x.scale), o => format!("{o:?}") };
-                    eprintln!("{} {p} n{} {name} open {} T {} sum {:.3}", lv.name, n[l][p], o.open, o.triangles, o.error * s[l][p]);
+                    let name = match look {
+                        Look::Planes(x) => format!("{} s{:.2}", x.name, x.scale),
+                        o => format!("{o:?}"),
+                    };
+                    eprintln!(
+                        "{} {p} n{} {name} open {} T {} sum {:.3}",
+                        lv.name,
+                        n[l][p],
+                        o.open,
+                        o.triangles,
+                        o.error * s[l][p]
+                    );
                 }
             }
         }

@@ -8,7 +8,7 @@ use super::GenerateError;
 use crate::asset::AssetLod;
 use crate::capture::{Plan, PlaneSet, Subject};
 use crate::impostor::cross_quad::CrossQuads;
-use crate::lod::cut::{Cutter, Front, Menu};
+use crate::lod::cut::{Cutter, Front};
 use crate::lod::{Counts, Form, ScreenSizes, Selector, State, Triangles};
 use crate::math::Similarity;
 use crate::measure::menu::{Forms, Look};
@@ -58,9 +58,7 @@ pub(super) fn draft(
     (budgets, with_full): (&[u64], bool),
 ) -> Drafts {
     let selector = Selector::new(tree, lod);
-    let empty = Menu::default();
     let cutter = forms.map(|f| Cutter::new(tree, &f.menu));
-    let _ = &empty;
     let counts = Counts::of(tree, lod.tolerances.len());
     let full = State::full(tree);
     let full = (full.clone(), counts.triangles(tree, &full));
@@ -79,7 +77,6 @@ pub(super) fn draft(
         if drafts.is_empty() && full.1.total() <= budget {
             candidates.push(Candidate::Levels(full.0.clone(), full.1));
         } else {
-            // Strictly fewer triangles than the LOD before, whichever of its candidates that will be.
             let cap = budget.min(before.saturating_sub(1));
             if let Some(found) = selector.select(&state, cap) {
                 state = found.clone();
@@ -89,10 +86,10 @@ pub(super) fn draft(
                 candidates.push(Candidate::Cut(cut));
             }
         }
-        let fewest = candidates.iter().map(Candidate::triangles).min();
-        match fewest {
-            Some(fewest) => {
-                before = fewest;
+        let most = candidates.iter().map(Candidate::triangles).max();
+        match most {
+            Some(most) => {
+                before = most;
                 drafts.push(Draft {
                     budget: Some(budget),
                     candidates,

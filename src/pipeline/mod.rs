@@ -116,7 +116,11 @@ pub fn generate(
     let forms = forms(species, settings, &tree, &artwork)?;
     let budgets = settings.budgets.as_deref().unwrap_or(&species.lod.budgets);
     let budgets = (budgets, settings.full);
-    if std::env::var_os("DUMP").is_some() { if let Some(f) = &forms { f.dump(&tree); } }
+    if std::env::var_os("DUMP").is_some() {
+        if let Some(f) = &forms {
+            f.dump(&tree);
+        }
+    }
     let drafts = choose::draft(&tree, &species.lod, forms.as_ref(), budgets);
     let used = choose::extend(&mut plan, &tree, forms.as_ref(), &drafts);
     let baked = capture::bake(
