@@ -367,6 +367,31 @@ fn rectangle(items: &[Item], owner: &[usize], index: usize, cluster: &Cluster) -
     })
 }
 
+/// Mean distance of items from the nearest plane that shows them, by area, metres.
+#[must_use]
+pub fn mean_shift(items: &[Item], planes: &[Plane]) -> f32 {
+    let mut nearest = vec![f32::INFINITY; items.len()];
+    for plane in planes {
+        let normal = plane.normal();
+        let mut see = |index: usize| {
+            let away = (items[index].middle() - plane.centre).dot(normal).abs();
+            nearest[index] = nearest[index].min(away);
+        };
+        match &plane.members {
+            Some(members) => members.iter().for_each(|&m| see(m as usize)),
+            None => (0..items.len()).for_each(see),
+        }
+    }
+    let (mut sum, mut area) = (0.0, 0.0);
+    for (item, shift) in items.iter().zip(nearest) {
+        if shift.is_finite() {
+            sum += shift * item.area;
+            area += item.area;
+        }
+    }
+    if area > 0.0 { sum / area } else { 0.0 }
+}
+
 /// Items that clumps are found from at most; the rest join the nearest.
 const CLUMP_SAMPLE: usize = 3000;
 

@@ -59,6 +59,14 @@ pub(super) struct Whole {
     sample: f32,
 }
 
+impl Whole {
+    /// Mean covered area of full detail, square metres.
+    pub(super) fn area(&self) -> f32 {
+        let sum: u64 = self.full.iter().map(Silhouette::area).sum();
+        real(sum) * self.sample * self.sample / real(self.views.len().max(1) as u64)
+    }
+}
+
 /// How a form compares with full detail in a context.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {

@@ -67,7 +67,7 @@ const FITTED_CARDS: u64 = 2500;
 const FITTED: [usize; 7] = [3, 4, 6, 8, 12, 16, 24];
 
 /// Numbers of clumps that are tried, as long as each has [`CLUMP_CARDS`].
-const CLUMPS: [usize; 6] = [2, 4, 8, 16, 32, 64];
+const CLUMPS: [usize; 5] = [2, 4, 8, 16, 32];
 
 /// Fewest leaf cards of a clump, in the mean.
 const CLUMP_CARDS: u64 = 12;
@@ -125,12 +125,20 @@ pub fn forms(
     for (level, found) in found.into_iter().enumerate() {
         for (prototype, found) in found.into_iter().enumerate() {
             forms.turns[level][prototype] = found.turn;
-            for (look, offer) in found.forms {
+            let shifts = found.shifts.iter().copied().chain(core::iter::repeat(0.0));
+            let mut own: Vec<(Look, Offer)> = found
+                .forms
+                .into_iter()
+                .zip(shifts)
+                .map(|((look, offer), shift)| {
+                    let error = offer.error * seen.parts[level] + seen.inside(level, shift);
+                    (look, Offer { error, ..offer })
+                })
+                .collect();
+            keep_the_useful(&mut own);
+            for (look, offer) in own {
                 forms.looks[level][prototype].push(look);
-                forms.menu.offers[level][prototype].push(Offer {
-                    error: offer.error * seen[level],
-                    ..offer
-                });
+                forms.menu.offers[level][prototype].push(offer);
             }
         }
     }
@@ -162,6 +170,8 @@ struct Found {
     turn: f32,
     /// Trial captures of its crossed quads, and the scale of the error that they were found to have.
     cross: Option<(Vec<TrialQuad>, f32)>,
+    /// By form: mean distance of what it shows from where it shows it, metres; missing ones are 0.
+    shifts: Vec<f32>,
 }
 
 /// By level: the part of the errors, measured on the nodes of one parent, that is seen in the whole tree.
@@ -169,9 +179,20 @@ struct Found {
 /// Nodes hide each other's errors. How much is measured with all nodes of a level as crossed quads at once,
 /// against the sum of what they were found to err one parent at a time; other forms of the level are taken to
 /// be hidden alike.
-fn seen_parts(gauge: &Gauge<'_>, found: &[Vec<Found>]) -> Result<Vec<f32>, TooLarge> {
+fn seen_parts(gauge: &Gauge<'_>, found: &[Vec<Found>]) -> Result<Seen, TooLarge> {
     let whole = gauge.whole_tree()?;
     let scales = squared_scales(gauge.tree);
+    let nodes = gauge.tree.nodes();
+    let area = whole.area();
+    let sums: Vec<f32> = scales.iter().map(|s| s.iter().sum()).collect();
+    let counts = nodes.iter().map(|n| n.iter().sum::<u64>());
+    let weights = sums.iter().zip(counts).map(|(&sum, count)| {
+        #[expect(clippy::cast_precision_loss, reason = "a mean needs few digits")]
+        let mean_scale = (sum / (count.max(1) as f32)).sqrt();
+        let radius = (area / PI).sqrt().max(1e-9);
+        INSIDE * area / sum.max(1e-12) * mean_scale / radius
+    });
+    let weights: Vec<f32> = weights.collect();
     let mut parts = vec![1.0; found.len()];
     for (level, found) in found.iter().enumerate().skip(1) {
         let crosses: Vec<Option<(&[TrialQuad], f32)>> = found
@@ -188,8 +209,28 @@ fn seen_parts(gauge: &Gauge<'_>, found: &[Vec<Found>]) -> Result<Vec<f32>, TooLa
             parts[level] = (error / expected).clamp(SEEN[0], SEEN[1]);
         }
     }
-    Ok(parts)
+    Ok(Seen { parts, weights })
 }
+
+/// How errors of single nodes add up in the whole tree.
+struct Seen {
+    /// By level: the part of a node's error that is seen.
+    parts: Vec<f32>,
+    /// By level: error inside the crown for each metre that things are shifted, square metres at scale 1.
+    weights: Vec<f32>,
+}
+
+impl Seen {
+    /// Error inside the silhouette: leaves that are shown away from their places are lit and hidden wrongly,
+    /// and slide against each other as the view turns. Silhouettes of dense crowns do not show it.
+    fn inside(&self, level: usize, shift: f32) -> f32 {
+        shift * self.weights[level]
+    }
+}
+
+/// Weight of the error inside the crown: so much of the visible area counts as wrong where things are shifted
+/// by the crown's radius. Set by eye.
+const INSIDE: f32 = 0.25;
 
 /// Bounds of the part of errors that is seen.
 const SEEN: [f32; 2] = [0.02, 1.5];
@@ -337,11 +378,8 @@ impl Gauge<'_> {
             if CLUMP_CARDS * count as u64 > leaves {
                 break;
             }
-            for top in [false, true] {
-                let set = planes::clumps(&items, count, turn, top);
-                let top = if top { "+top" } else { "" };
-                sets.push(attempt(set, format!("clumps {count}{top}")));
-            }
+            let set = planes::clumps(&items, count, turn, true);
+            sets.push(attempt(set, format!("clumps {count}")));
         }
         if leaves <= FITTED_CARDS {
             for count in FITTED {
@@ -352,28 +390,38 @@ impl Gauge<'_> {
                 }
             }
         }
+        let shift = |planes: &[Plane]| planes::mean_shift(&items, planes);
+        found.shifts = vec![0.0; found.forms.len() - 1];
+        found.shifts.push(shift(&best.0.planes));
         for (set, error) in sets {
             let triangles = 2 * set.planes.len() as u64;
+            found.shifts.push(shift(&set.planes));
             found
                 .forms
                 .push((Look::Planes(set), closed(triangles, error)));
         }
-        keep_the_useful(&mut found.forms);
         Ok(())
     }
 }
 
-/// Closed forms that another one beats with no more triangles are no use; crossed quads always stay.
+/// Closed forms that are hardly better than one with fewer triangles are no use: each takes its part of the
+/// atlas. Crossed quads always stay, and full detail of the node's own branch.
 fn keep_the_useful(forms: &mut Vec<(Look, Offer)>) {
     let offers: Vec<Offer> = forms.iter().map(|(_, o)| *o).collect();
     forms.retain(|(look, offer)| {
-        offer.open
-            || matches!(look, Look::Cross(_))
-            || !offers.iter().any(|other| {
-                !other.open && other.triangles <= offer.triangles && other.error < offer.error
-            })
+        let gain = if offer.open { 1.0 } else { USEFUL };
+        let beaten = offers.iter().any(|other| {
+            other.open == offer.open
+                && other.triangles <= offer.triangles
+                && (other.triangles, other.error) != (offer.triangles, offer.error)
+                && other.error * gain <= offer.error
+        });
+        matches!(look, Look::Cross(_) | Look::Geometry(0)) || !beaten
     });
 }
+
+/// A form with more triangles must err less than this part of another's error.
+const USEFUL: f32 = 0.97;
 
 /// The scale at which quads cover as much as full detail, within bounds, and the error there.
 fn best_scale(context: &Context, quads: &[TrialQuad]) -> (f32, f32) {

@@ -276,6 +276,15 @@ impl Fitting<'_> {
                 };
                 let mesh = self.mesh(candidate, scale)?;
                 let verdict = yardstick.judge(&mesh, cutouts);
+                if std::env::var_os("DUMP").is_some() {
+                    eprintln!(
+                        "{:?} s{scale:.3} iou {:.3} cov {:.3} {}",
+                        draft.budget,
+                        verdict.iou,
+                        verdict.coverage,
+                        self.describe(candidate)
+                    );
+                }
                 if best.as_ref().is_none_or(|b| verdict.iou > b.1.iou) {
                     best = Some((scale, verdict, mesh, candidate));
                 }
