@@ -34,6 +34,15 @@ pub struct Menu {
     pub offers: Vec<Vec<Vec<Offer>>>,
 }
 
+impl Offer {
+    /// An offer that no front takes, to keep the places of the others.
+    pub const BARRED: Self = Self {
+        triangles: 1 << 40,
+        error: f32::INFINITY,
+        open: false,
+    };
+}
+
 /// A front: for every node on it or inside it, from the root in the order of links, the index of its offer.
 /// Nodes below a closed one and leaves are left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -64,6 +73,8 @@ pub struct Cutter<'a> {
     values: Vec<Vec<Vec<f32>>>,
     /// The lowest price.
     low: f32,
+    /// True if the root must be open.
+    open_root: bool,
 }
 
 impl<'a> Cutter<'a> {
@@ -76,6 +87,7 @@ impl<'a> Cutter<'a> {
             .flatten()
             .flatten()
             .map(|o| o.error)
+            .filter(|e| e.is_finite())
             .fold(1e-6, f32::max);
         let leaves = tree.levels.iter().map(|level| {
             let of = |p: &crate::tree::Prototype| {
@@ -100,6 +112,7 @@ impl<'a> Cutter<'a> {
                 .map(|l| vec![Vec::new(); l.prototypes.len()])
                 .collect(),
             low: highest * 1e-8,
+            open_root: false,
         };
         for level in (0..tree.levels.len()).rev() {
             if is_leaf(tree, level) {
@@ -116,6 +129,29 @@ impl<'a> Cutter<'a> {
             }
         }
         cutter
+    }
+
+    /// The same tables for fronts whose root is open: where the whole tree as a few quads is so good that no
+    /// front of middling size has a smaller error, they spend the budget nevertheless.
+    #[must_use]
+    pub fn with_open_root(&self) -> Self {
+        Self {
+            open_root: true,
+            ..self.clone()
+        }
+    }
+
+    /// The summed error of a front, square metres.
+    #[must_use]
+    pub fn error(&self, front: &Front) -> f32 {
+        let mut sum = 0.0;
+        self.walk(0, 0, 1.0, &mut |level, prototype, scale, node| {
+            let choice = usize::from(front.choices[node]);
+            let offer = &self.menu.offers[level][prototype][choice];
+            sum += offer.error * scale * scale;
+            offer.open
+        });
+        sum
     }
 
     /// The front of least summed error within `budget`; `None` if even the smallest form is above it.
@@ -254,6 +290,10 @@ impl<'a> Cutter<'a> {
 
     /// The best offer at a price and its value, for a node of scale 1.
     fn best(&self, level: usize, prototype: usize, price: f32) -> (u16, f32) {
+        self.best_of(level, prototype, price, false)
+    }
+
+    fn best_of(&self, level: usize, prototype: usize, price: f32, must_open: bool) -> (u16, f32) {
         let open_value = |offers: &[Offer]| -> f32 {
             if offers.iter().any(|o| o.open) {
                 self.children(level, prototype)
@@ -267,7 +307,7 @@ impl<'a> Cutter<'a> {
         let below = open_value(offers);
         let leaves = self.leaves[level][prototype];
         let mut best = (0, f32::INFINITY);
-        for (index, offer) in (0_u16..).zip(offers) {
+        for (index, offer) in (0_u16..).zip(offers).filter(|(_, o)| o.open || !must_open) {
             #[expect(clippy::cast_precision_loss, reason = "a price needs few digits")]
             let value = if offer.open {
                 offer.error + price * (offer.triangles + leaves) as f32 + below
@@ -321,6 +361,7 @@ impl<'a> Cutter<'a> {
 
     fn choice(&self, level: usize, prototype: usize, scale: f32, price: f32) -> u16 {
         let offers = &self.menu.offers[level][prototype];
+        let must_open = self.open_root && level == 0 && offers.iter().any(|o| o.open);
         if price == f32::INFINITY {
             // Closed nodes are never more than what they stand for, by construction of the menu.
             let least = (0_u16..)
@@ -334,7 +375,8 @@ impl<'a> Cutter<'a> {
                 .min_by(|(_, a), (_, b)| b.open.cmp(&a.open).then(a.error.total_cmp(&b.error)));
             return best.map_or(0, |(i, _)| i);
         }
-        self.best(level, prototype, price / (scale * scale)).0
+        self.best_of(level, prototype, price / (scale * scale), must_open)
+            .0
     }
 
     /// The front of the higher price, with the sub-trees that the lower price draws otherwise, as long as

@@ -17,16 +17,16 @@ use crate::tree::{Kind, Tree};
 use rayon::prelude::*;
 
 /// Samples along the longer side of a sub-tree's pictures.
-const SUBTREE_SAMPLES: f32 = 192.0;
+const SUBTREE_SAMPLES: f32 = 128.0;
 
 /// Samples along the height of the whole tree's pictures.
-const TREE_SAMPLES: f32 = 256.0;
+const TREE_SAMPLES: f32 = 160.0;
 
 /// Texels of a trial capture along each edge of a sample.
 const TRIAL_DENSITY: f32 = 2.0;
 
 /// Views on sub-trees, from all around: nodes stand at any angle.
-const SUBTREE_VIEWS: usize = 8;
+const SUBTREE_VIEWS: usize = 6;
 
 /// What all measuring of one tree needs.
 pub(super) struct Gauge<'a> {

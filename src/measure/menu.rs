@@ -14,6 +14,7 @@ use super::silhouette::Cutouts;
 use crate::impostor::cross_quad::{self, CrossQuads};
 use crate::impostor::planes::{self, Plane};
 use crate::lod::cut::{Menu, Offer};
+use crate::lod::{Form, State};
 use crate::math::{PI, Quat, Vec3};
 use crate::mesh::{Mesh, TooLarge, tube};
 use crate::species::schema::{Lod, Simplification};
@@ -55,6 +56,30 @@ pub struct Forms {
     pub menu: Menu,
     /// By level and prototype: turn of the crossed quads about +Y, radians.
     pub turns: Vec<Vec<f32>>,
+    /// By level and prototype: the sum of its nodes' squared scales.
+    pub scales: Vec<Vec<f32>>,
+}
+
+impl Forms {
+    /// The summed error of a level-wide state, square metres, on the menu's terms.
+    #[must_use]
+    pub fn error_of(&self, state: &State) -> f32 {
+        let mut sum = 0.0;
+        for (level, form) in state.forms.iter().enumerate() {
+            let is_it = |look: &Look| match (form, look) {
+                (Form::Geometry(a), Look::Geometry(b)) => a == b,
+                (Form::Quads, Look::Quads) | (Form::Collapsed, Look::Cross(_)) => true,
+                _ => false,
+            };
+            for (prototype, looks) in self.looks[level].iter().enumerate() {
+                let offers = &self.menu.offers[level][prototype];
+                let found = looks.iter().zip(offers).find(|(look, _)| is_it(look));
+                let error = found.map_or(0.0, |(_, offer)| offer.error);
+                sum += error * self.scales[level][prototype];
+            }
+        }
+        sum
+    }
 }
 
 /// Sub-trees of more cards are measured by themselves, not with their siblings.
@@ -121,6 +146,7 @@ pub fn forms(
             offers: rows(tree, Vec::new()),
         },
         turns: rows(tree, 0.0),
+        scales: squared_scales(tree),
     };
     for (level, found) in found.into_iter().enumerate() {
         for (prototype, found) in found.into_iter().enumerate() {

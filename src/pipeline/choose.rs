@@ -8,7 +8,7 @@ use super::GenerateError;
 use crate::asset::AssetLod;
 use crate::capture::{Plan, PlaneSet, Subject};
 use crate::impostor::cross_quad::CrossQuads;
-use crate::lod::cut::{Cutter, Front};
+use crate::lod::cut::{Cutter, Front, Offer};
 use crate::lod::{Counts, Form, ScreenSizes, Selector, State, Triangles};
 use crate::math::Similarity;
 use crate::measure::menu::{Forms, Look};
@@ -58,7 +58,11 @@ pub(super) fn draft(
     (budgets, with_full): (&[u64], bool),
 ) -> Drafts {
     let selector = Selector::new(tree, lod);
-    let cutter = forms.map(|f| Cutter::new(tree, &f.menu));
+    let cutters = forms.map(|f| {
+        let free = Cutter::new(tree, &f.menu);
+        let open = free.with_open_root();
+        [free, open]
+    });
     let counts = Counts::of(tree, lod.tolerances.len());
     let full = State::full(tree);
     let full = (full.clone(), counts.triangles(tree, &full));
@@ -82,7 +86,15 @@ pub(super) fn draft(
                 state = found.clone();
                 candidates.push(Candidate::Levels(found.0.clone(), found.1));
             }
-            if let Some(cut) = cutter.as_ref().and_then(|c| c.cut(cap)) {
+            if let Some((cutters, forms)) = cutters.as_ref().zip(forms)
+                && let Some(cut) = best_cut(cutters, cap)
+            {
+                let error = cutters[0].error(&cut);
+                // Where the cut is better by far, the level-wide state need not be drawn to see it.
+                candidates.retain(|c| match c {
+                    Candidate::Levels(state, _) => forms.error_of(state) < error * CLEARLY,
+                    Candidate::Cut(_) => true,
+                });
                 candidates.push(Candidate::Cut(cut));
             }
         }
@@ -106,6 +118,27 @@ pub(super) fn draft(
         }
     }
     Drafts { drafts, warnings }
+}
+
+/// A front that errs up to this factor more is taken if it spends more of the budget: errors are sums over
+/// nodes, and those of whole trees as a few quads are flattered by what silhouettes do not show.
+const SPEND: f32 = 1.12;
+
+/// A level-wide state that errs more than this many times a cut is no rival for it.
+const CLEARLY: f32 = 1.15;
+
+/// The better of the free front and the one whose root is open.
+fn best_cut([free, open]: &[Cutter<'_>; 2], cap: u64) -> Option<Front> {
+    let closed = free.cut(cap);
+    let opened = open.cut(cap);
+    match (closed, opened) {
+        (Some(closed), Some(opened)) => {
+            let spends = opened.triangles > closed.triangles;
+            let fair = open.error(&opened) <= free.error(&closed) * SPEND;
+            Some(if spends && fair { opened } else { closed })
+        }
+        (closed, opened) => closed.or(opened),
+    }
 }
 
 impl Candidate {
@@ -259,10 +292,21 @@ impl Fitting<'_> {
         for draft in drafts {
             let before = lods.last().map_or(u64::MAX, |l| l.triangles.total());
             let mut best: Option<(f32, Verdict, Mesh, &Candidate)> = None;
-            for candidate in &draft.candidates {
+            let spare: Vec<Candidate>;
+            let mut candidates = &draft.candidates[..];
+            if candidates.iter().all(|c| c.triangles() >= before) {
+                // The LOD before turned out smaller than planned.
+                let cap = draft
+                    .budget
+                    .unwrap_or(u64::MAX)
+                    .min(before.saturating_sub(1));
+                spare = self.cut_again(cap).into_iter().collect();
+                candidates = &spare;
+            }
+            for candidate in candidates {
                 if self.selection == Selection::Levels
                     && matches!(candidate, Candidate::Cut(_))
-                    && draft.candidates.len() > 1
+                    && candidates.len() > 1
                 {
                     continue;
                 }
@@ -309,6 +353,23 @@ impl Fitting<'_> {
             });
         }
         Ok(lods)
+    }
+
+    /// A front of the forms that were captured.
+    fn cut_again(&self, cap: u64) -> Option<Candidate> {
+        let forms = self.forms?;
+        let mut menu = forms.menu.clone();
+        for (level, prototypes) in menu.offers.iter_mut().enumerate() {
+            for (prototype, offers) in prototypes.iter_mut().enumerate() {
+                for (index, offer) in offers.iter_mut().enumerate() {
+                    let is_set = matches!(forms.looks[level][prototype][index], Look::Planes(_));
+                    if is_set && self.used.places[level][prototype][index].is_none() {
+                        *offer = Offer::BARRED;
+                    }
+                }
+            }
+        }
+        Cutter::new(self.tree, &menu).cut(cap).map(Candidate::Cut)
     }
 
     /// True if something is drawn by quads whose scale matters.

@@ -115,7 +115,9 @@ pub fn generate(
     let height = species.bark.height_m();
     let t0 = std::time::Instant::now();
     let forms = forms(species, settings, &tree, &artwork)?;
-    if std::env::var_os("DUMP").is_some() { eprintln!("forms {:?}", t0.elapsed()); }
+    if std::env::var_os("DUMP").is_some() {
+        eprintln!("forms {:?}", t0.elapsed());
+    }
     let budgets = settings.budgets.as_deref().unwrap_or(&species.lod.budgets);
     let budgets = (budgets, settings.full);
     if std::env::var_os("DUMP").is_some() {
@@ -125,7 +127,9 @@ pub fn generate(
     }
     let drafts = choose::draft(&tree, &species.lod, forms.as_ref(), budgets);
     let used = choose::extend(&mut plan, &tree, forms.as_ref(), &drafts);
-    if std::env::var_os("DUMP").is_some() { eprintln!("draft {:?}", t0.elapsed()); }
+    if std::env::var_os("DUMP").is_some() {
+        eprintln!("draft {:?}", t0.elapsed());
+    }
     let baked = capture::bake(
         &tree,
         &plan,
@@ -134,7 +138,9 @@ pub fn generate(
         &settings.captures,
         progress,
     )?;
-    if std::env::var_os("DUMP").is_some() { eprintln!("bake {:?}", t0.elapsed()); }
+    if std::env::var_os("DUMP").is_some() {
+        eprintln!("bake {:?}", t0.elapsed());
+    }
     let fitting = Fitting {
         tree: &tree,
         forms: forms.as_ref(),
@@ -145,7 +151,9 @@ pub fn generate(
         selection: settings.selection,
     };
     let lods = lods(species, &fitting, &drafts.drafts, &baked)?;
-    if std::env::var_os("DUMP").is_some() { eprintln!("lods {:?}", t0.elapsed()); }
+    if std::env::var_os("DUMP").is_some() {
+        eprintln!("lods {:?}", t0.elapsed());
+    }
     if lods.is_empty() {
         return Err(GenerateError::NoLod {
             budgets: budgets.0.to_vec(),
@@ -323,7 +331,8 @@ fn lods(
         fitting.bark_height,
         REFERENCE_TRIANGLES,
     )?;
-    let cutouts = Cutouts::of(&mips::chain(baked.atlas.clone(), 5, ALPHA_CUTOFF));
+    let pyramid = mips::chain_of_parts(baked.atlas.clone(), &baked.rects, 6, ALPHA_CUTOFF);
+    let cutouts = Cutouts::of(&pyramid);
     let yardstick = Yardstick::new(&full, &cutouts);
     fitting.lods(drafts, &yardstick, &cutouts, full.bounds().size().y)
 }
