@@ -5,7 +5,6 @@
 
 use crate::asset::{Surface, TreeAsset};
 use crate::capture::{ALPHA_CUTOFF, Occlusion, Seen, Textures, View, Visibility};
-use crate::image::atlas::Rect;
 use crate::image::{Image, Texel, mips};
 use crate::math::{
     Bounds, Vec2, Vec3, float, lerp, linear_from_srgb, smoothstep, srgb_from_linear,
@@ -106,7 +105,7 @@ impl<'a> Stage<'a> {
         Self {
             asset,
             settings,
-            foliage: mips::chain_of_parts(asset.foliage.texels(), &asset.rects, 5, ALPHA_CUTOFF),
+            foliage: mips::chain(asset.foliage.texels(), 5, ALPHA_CUTOFF),
             bark: mips::chain(asset.bark.texels(), 10, ALPHA_CUTOFF),
             shade,
             sun,
@@ -277,11 +276,11 @@ impl Surface {
         Image::from_texels(self.albedo.width(), self.albedo.height(), texels.collect())
     }
 
-    /// Mips of the albedo from half size downward; each part of the atlas keeps the coverage of the base.
+    /// Mips of the albedo from half size downward, with the coverage of the base.
     #[must_use]
-    pub fn albedo_mips(&self, parts: &[Rect]) -> Vec<Image<[u8; 4]>> {
+    pub fn albedo_mips(&self) -> Vec<Image<[u8; 4]>> {
         let levels = self.albedo.width().max(self.albedo.height()).ilog2() as usize + 1;
-        let chain = mips::chain_of_parts(self.texels(), parts, levels, ALPHA_CUTOFF);
+        let chain = mips::chain(self.texels(), levels, ALPHA_CUTOFF);
         chain
             .iter()
             .skip(1)

@@ -174,7 +174,7 @@ pub fn bake(
         }
     }
     for pass in passes.iter().filter(|p| !p.is_empty()) {
-        let mut pyramid = mips::chain_of_parts(atlas, &rects, MIPS, ALPHA_CUTOFF);
+        let mut pyramid = mips::chain(atlas, MIPS, ALPHA_CUTOFF);
         let reliefs = quads.reliefs();
         let drawn: Result<Vec<[Shot; VIEWS]>, BakeError> = pass
             .par_iter()
@@ -227,7 +227,6 @@ pub fn bake(
         tree,
         plan,
         rects: &rects[plan.captures() + kinds..],
-        all: &rects,
         turns: &turns,
         thickness: &thickness,
         sources: &sources,
@@ -245,9 +244,8 @@ pub fn bake(
 struct Stage<'a> {
     tree: &'a Tree,
     plan: &'a Plan,
-    /// Rectangles of the planes, then of everything.
+    /// Rectangles of the planes.
     rects: &'a [Rect],
-    all: &'a [Rect],
     turns: &'a [Quat],
     thickness: &'a [Vec<f32>],
     sources: &'a [Option<usize>],
@@ -266,7 +264,7 @@ impl Stage<'_> {
         if self.plan.sets.is_empty() {
             return Ok(atlas);
         }
-        let mut pyramid = mips::chain_of_parts(atlas, self.all, MIPS, ALPHA_CUTOFF);
+        let mut pyramid = mips::chain(atlas, MIPS, ALPHA_CUTOFF);
         let reliefs = quads.reliefs();
         let mut first = 0;
         let firsts: Vec<usize> = self

@@ -4,7 +4,6 @@
 //! each mip's alpha is scaled so that the share of texels at or above the cutoff is that of the base
 //! (Castaño 2010, "Computing alpha mipmaps").
 
-use super::atlas::Rect;
 use super::{Image, Texel};
 use crate::math::{float, floor_to_u32};
 use rayon::prelude::*;
@@ -16,42 +15,17 @@ const LARGEST_SCALE: f32 = 8.0;
 /// Colours are averaged by coverage, so that empty texels do not darken edges.
 #[must_use]
 pub fn chain(base: Image<Texel>, levels: usize, cutoff: f32) -> Vec<Image<Texel>> {
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width: base.width(),
-        height: base.height(),
-    };
-    chain_of_parts(base, &[whole], levels, cutoff)
-}
-
-/// The same for an atlas: each part keeps its own coverage, so that a dense capture does not pay for a sparse
-/// one. Parts must not overlap; texels outside of them are left as they are.
-#[must_use]
-pub fn chain_of_parts(
-    base: Image<Texel>,
-    parts: &[Rect],
-    levels: usize,
-    cutoff: f32,
-) -> Vec<Image<Texel>> {
-    let wanted: Vec<f32> = parts
-        .iter()
-        .map(|part| {
-            let bins = Bins::of(&base, part, 0);
-            bins.share_from(cutoff)
-        })
-        .collect();
+    let wanted = coverage(&base, 1.0, cutoff);
     // Scaled alpha must not feed the next level, so the plain chain is built first.
     let mut images = vec![base];
     for _ in 1..levels.max(1) {
         let next = halved(&images[images.len() - 1]);
         images.push(next);
     }
-    for (level, image) in (0_u32..).zip(&mut images).skip(1) {
-        for (part, &wanted) in parts.iter().zip(&wanted) {
-            keep_coverage(image, part, level, wanted, cutoff);
-        }
-    }
+    images
+        .iter_mut()
+        .skip(1)
+        .for_each(|image| keep_coverage(image, wanted, cutoff));
     images
 }
 
@@ -71,61 +45,16 @@ pub fn coverage(image: &Image<Texel>, scale: f32, cutoff: f32) -> f32 {
     share
 }
 
-/// How many texels of a part of an image have which alpha.
-struct Bins {
-    bins: [u32; BINS as usize + 1],
-    total: f32,
-}
-
-/// Steps of alpha that are told apart.
-const BINS: u16 = 1024;
-
-/// Columns and rows of a part at a mip: those whose middle lies in it.
-fn range(start: u32, length: u32, level: u32, limit: u32) -> core::ops::Range<u32> {
-    let half = (1 << level) >> 1;
-    let first = (start + half) >> level;
-    let end = ((start + length + half) >> level).max(first + 1);
-    first.min(limit)..end.min(limit)
-}
-
-fn texels_of(image: &Image<Texel>, part: &Rect, level: u32) -> impl Iterator<Item = usize> + use<> {
-    let columns = range(part.x, part.width, level, image.width());
-    let rows = range(part.y, part.height, level, image.height());
-    let width = image.width() as usize;
-    rows.flat_map(move |y| {
-        columns
-            .clone()
-            .map(move |x| y as usize * width + x as usize)
-    })
-}
-
-impl Bins {
-    fn of(image: &Image<Texel>, part: &Rect, level: u32) -> Self {
-        let mut bins = [0_u32; BINS as usize + 1];
-        let mut total = 0_u32;
-        for at in texels_of(image, part, level) {
-            let alpha = image.texels()[at].alpha.min(1.0);
-            bins[floor_to_u32(alpha * f32::from(BINS)) as usize] += 1;
-            total += 1;
-        }
-        Self {
-            bins,
-            total: float(total).max(1.0),
-        }
-    }
-
-    /// Share of texels with at least some alpha.
-    fn share_from(&self, alpha: f32) -> f32 {
-        let first = floor_to_u32((alpha * f32::from(BINS)).ceil()) as usize;
-        float(self.bins[first..].iter().sum()) / self.total
-    }
-}
-
-/// Scales alpha so that the wanted share of a part's texels is at or above the cutoff. The threshold that
-/// parts them is read from a histogram; among texels of equal alpha no scale can part, and the nearer share
+/// Scales alpha so that the wanted share of texels is at or above the cutoff. The threshold that parts
+/// them is read from a histogram; among texels of equal alpha no scale can part, and the nearer share
 /// is taken.
-fn keep_coverage(image: &mut Image<Texel>, part: &Rect, level: u32, wanted: f32, cutoff: f32) {
-    let Bins { bins, total } = Bins::of(image, part, level);
+fn keep_coverage(image: &mut Image<Texel>, wanted: f32, cutoff: f32) {
+    const BINS: u16 = 1024;
+    let mut bins = [0_u32; BINS as usize + 1];
+    for texel in image.texels() {
+        bins[floor_to_u32(texel.alpha.min(1.0) * f32::from(BINS)) as usize] += 1;
+    }
+    let total = float(u32::try_from(image.texels().len()).unwrap_or(u32::MAX)).max(1.0);
     let (mut above, mut best, mut nearest) = (0, 1.0, f32::INFINITY);
     // From the most covered texels down; those with no alpha at all never count.
     for bin in (1..=BINS).rev().filter(|&bin| bins[usize::from(bin)] > 0) {
@@ -137,10 +66,10 @@ fn keep_coverage(image: &mut Image<Texel>, part: &Rect, level: u32, wanted: f32,
         }
     }
     let scale = (cutoff / best).min(LARGEST_SCALE);
-    for at in texels_of(image, part, level) {
-        let texel = &mut image.texels_mut()[at];
-        texel.alpha = (texel.alpha * scale).min(1.0);
-    }
+    image
+        .texels_mut()
+        .par_iter_mut()
+        .for_each(|t| t.alpha = (t.alpha * scale).min(1.0));
 }
 
 /// An image of half the size; odd edges are clamped.

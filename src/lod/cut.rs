@@ -175,17 +175,17 @@ impl<'a> Cutter<'a> {
                 low = middle;
             }
         }
-        let mut front = self.front(high);
-        if front.triangles > budget {
-            front = cheap;
-        }
-        Some(self.filled(front, low, high, budget))
+        let front = self.front(high);
+        let front = if front.triangles > budget {
+            cheap
+        } else {
+            self.mixed(&front, low, high, budget)
+        };
+        Some(self.filled(front, budget))
     }
 
-    /// Spends what a price leaves of the budget: on the nodes that a lower price would change, then on
-    /// richer quads for single nodes, then on opening single nodes.
-    fn filled(&self, front: Front, low: f32, high: f32, budget: u64) -> Front {
-        let mut front = self.mixed(&front, low, high, budget);
+    /// Spends what is left of the budget on richer forms of single nodes, the largest gain per triangle first.
+    fn filled(&self, mut front: Front, budget: u64) -> Front {
         loop {
             let steps = self.steps(&front);
             let mut changed = false;
@@ -213,7 +213,6 @@ impl<'a> Cutter<'a> {
     /// and finer branches for its open ones.
     fn steps(&self, front: &Front) -> Vec<Step> {
         let mut steps: Vec<Step> = Vec::new();
-        let mut at = 0;
         self.walk(0, 0, 1.0, &mut |level, prototype, scale, node| {
             let choice = front.choices[node];
             let offers = &self.menu.offers[level][prototype];
@@ -240,7 +239,6 @@ impl<'a> Cutter<'a> {
                 }
             }
             steps.extend(best);
-            at += 1;
             now.open
         });
         steps.sort_by(|a, b| b.rate.total_cmp(&a.rate).then(a.node.cmp(&b.node)));
@@ -366,7 +364,7 @@ impl<'a> Cutter<'a> {
             // Closed nodes are never more than what they stand for, by construction of the menu.
             let least = (0_u16..)
                 .zip(offers)
-                .min_by_key(|(_, o)| (o.open, o.triangles));
+                .min_by_key(|(_, o)| (o.open != must_open, o.triangles));
             return least.map_or(0, |(i, _)| i);
         }
         if price == 0.0 {

@@ -36,6 +36,8 @@ pub(super) struct Gauge<'a> {
     pub(super) cutouts: &'a Cutouts,
     /// How the mean node of each level stands, where that matters.
     pub(super) turns: &'a [Quat],
+    /// Triangle budgets.
+    pub(super) budgets: &'a [u64],
 }
 
 /// Reference and exchangeable nodes of one measurement.

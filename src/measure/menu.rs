@@ -94,6 +94,9 @@ const FITTED: [usize; 7] = [3, 4, 6, 8, 12, 16, 24];
 /// Numbers of clumps that are tried, as long as each has [`CLUMP_CARDS`].
 const CLUMPS: [usize; 5] = [2, 4, 8, 16, 32];
 
+/// Most clumps of a whole tree: more would leave each too few texels.
+const MOST_CLUMPS: u64 = 100;
+
 /// Fewest leaf cards of a clump, in the mean.
 const CLUMP_CARDS: u64 = 12;
 
@@ -109,7 +112,7 @@ pub const SCALES: [f32; 2] = [0.85, 1.25];
 /// Finds and measures all forms.
 ///
 /// `cutouts` holds the leaf kinds, whose places `leaves` gives; `turns` how the mean node of each level
-/// stands.
+/// stands; `budgets` what the forms are meant for.
 ///
 /// # Errors
 /// If a sub-tree is too large for 32-bit indices.
@@ -119,12 +122,14 @@ pub fn forms(
     leaves: &CrossQuads,
     cutouts: &Cutouts,
     turns: &[Quat],
+    budgets: &[u64],
 ) -> Result<Forms, TooLarge> {
     let gauge = Gauge {
         tree,
         quads: leaves,
         cutouts,
         turns,
+        budgets,
     };
     let seats: Vec<(usize, usize)> = (0..tree.levels.len())
         .flat_map(|l| (0..tree.levels[l].prototypes.len()).map(move |p| (l, p)))
@@ -400,7 +405,16 @@ impl Gauge<'_> {
             sets.push(attempt(star(3, turn, true), "star+top".to_owned()));
         }
         let leaves = cards(self.tree, level, prototype);
-        for count in CLUMPS {
+        let mut counts = CLUMPS.to_vec();
+        if level == 0 {
+            // As many as a budget allows, where no sub-trees fill it.
+            let of_budgets = self.budgets.iter().map(|b| b / 6);
+            let fitting = of_budgets.filter(|c| (12..=MOST_CLUMPS).contains(c));
+            counts.extend(fitting.filter_map(|c| usize::try_from(c).ok()));
+            counts.sort_unstable();
+            counts.dedup();
+        }
+        for count in counts {
             if CLUMP_CARDS * count as u64 > leaves {
                 break;
             }

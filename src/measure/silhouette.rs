@@ -4,29 +4,27 @@
 //! is the union of the silhouettes of its parts.
 
 use super::views::Direction;
-use crate::capture::{ALPHA_CUTOFF, View, fetch, mip_level};
+use crate::capture::{ALPHA_CUTOFF, View, fetch};
 use crate::image::scan::{self, Clip};
 use crate::image::{Image, Texel};
 use crate::math::{Bounds, Similarity, Vec2, Vec3, float};
 use crate::mesh::{Mesh, Primitive};
 
-/// Which texels of the foliage atlas are there, mip by mip, the finest first.
+/// Which texels of the foliage atlas are there.
+///
+/// Samples read the finest texels, never mips: then a covered share is right in the mean however far away the
+/// tree is, where the alpha test of a mip is right for some parts of an atlas and wrong for others.
 #[derive(Clone, Debug)]
-pub struct Cutouts {
-    mips: Vec<Image<bool>>,
-}
+pub struct Cutouts(Image<bool>);
 
 impl Cutouts {
-    /// Cuts mips at the alpha of exported materials.
+    /// Cuts an atlas at the alpha of exported materials.
     #[must_use]
-    pub fn of(mips: &[Image<Texel>]) -> Self {
-        let cut = |mip: &Image<Texel>| mip.map(|t| t.alpha >= ALPHA_CUTOFF);
-        Self {
-            mips: mips.iter().map(cut).collect(),
-        }
+    pub fn of(atlas: &Image<Texel>) -> Self {
+        Self(atlas.map(|t| t.alpha >= ALPHA_CUTOFF))
     }
 
-    /// One picture of coverage, without mips.
+    /// A picture of coverage as a texture.
     #[must_use]
     pub fn from_silhouette(silhouette: Silhouette) -> Self {
         let Silhouette {
@@ -34,9 +32,7 @@ impl Cutouts {
             height,
             covered,
         } = silhouette;
-        Self {
-            mips: vec![Image::from_texels(width, height, covered)],
-        }
+        Self(Image::from_texels(width, height, covered))
     }
 }
 
@@ -80,14 +76,13 @@ impl Silhouette {
                 });
                 return;
             };
-            let mip = &cutouts.mips[mip_level(corners, uv, &cutouts.mips)];
             scan::triangle(corners, clip, |x, y, b| {
                 let at = &mut covered[y as usize * clip.x1 as usize + x as usize];
                 if !*at {
                     let [u, v] = core::array::from_fn(|k| {
                         uv[0][k] * b[0] + uv[1][k] * b[1] + uv[2][k] * b[2]
                     });
-                    *at = *fetch(mip, [u, v], true);
+                    *at = *fetch(&cutouts.0, [u, v], true);
                 }
             });
         });

@@ -9,7 +9,7 @@ use crate::mesh::Mesh;
 use rayon::prelude::*;
 
 /// Samples along the height of the tree.
-const SAMPLES: f32 = 192.0;
+const SAMPLES: f32 = 256.0;
 
 /// Air around the tree, as a part of its height: quads may reach outside.
 const AIR: f32 = 0.08;

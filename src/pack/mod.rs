@@ -159,12 +159,7 @@ fn textures(asset: &TreeAsset, options: Options) -> Result<(Textures, Vec<PackFi
         ),
     ];
     if options.mips {
-        for (level, mip) in asset
-            .foliage
-            .albedo_mips(&asset.rects)
-            .into_iter()
-            .enumerate()
-        {
+        for (level, mip) in asset.foliage.albedo_mips().into_iter().enumerate() {
             let name = format!("mips/foliage_albedo.{}", level + 1);
             jobs.push((name, Box::new(move || png::encode(&mip))));
         }

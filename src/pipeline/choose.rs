@@ -291,6 +291,15 @@ impl Fitting<'_> {
         let mut sizes = ScreenSizes::new(height);
         for draft in drafts {
             let before = lods.last().map_or(u64::MAX, |l| l.triangles.total());
+            if std::env::var_os("DUMP").is_some() {
+                for c in &draft.candidates {
+                    eprintln!(
+                        "  cand {} before {before} {}",
+                        c.triangles(),
+                        self.describe(c)
+                    );
+                }
+            }
             let mut best: Option<(f32, Verdict, Mesh, &Candidate)> = None;
             let spare: Vec<Candidate>;
             let mut candidates = &draft.candidates[..];

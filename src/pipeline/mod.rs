@@ -302,7 +302,7 @@ fn forms(
         return Ok(None);
     }
     let (sheet, places) = capture::leaf_sheet(artwork)?;
-    let cutouts = Cutouts::of(&mips::chain(sheet, 6, ALPHA_CUTOFF));
+    let cutouts = Cutouts::of(&sheet);
     let leaves = CrossQuads::none(tree, places);
     let turns = capture::standing(tree);
     Ok(Some(menu::forms(
@@ -311,6 +311,7 @@ fn forms(
         &leaves,
         &cutouts,
         &turns,
+        settings.budgets.as_deref().unwrap_or(&species.lod.budgets),
     )?))
 }
 
@@ -331,8 +332,7 @@ fn lods(
         fitting.bark_height,
         REFERENCE_TRIANGLES,
     )?;
-    let pyramid = mips::chain_of_parts(baked.atlas.clone(), &baked.rects, 6, ALPHA_CUTOFF);
-    let cutouts = Cutouts::of(&pyramid);
+    let cutouts = Cutouts::of(&baked.atlas);
     let yardstick = Yardstick::new(&full, &cutouts);
     fitting.lods(drafts, &yardstick, &cutouts, full.bounds().size().y)
 }
