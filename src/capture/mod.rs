@@ -13,6 +13,5 @@ mod studio;
 pub use bake::{BakeError, Baked, LeafArtwork, Settings, Source, bake, leaf_sheet, standing};
 pub use occlusion::Occlusion;
 pub use plan::{Plan, PlaneSet, Subject, VIEWS};
-pub(crate) use raster::fetch;
 pub use raster::{ALPHA_CUTOFF, Seen, Textures, View, Visibility};
 pub(crate) use studio::CAPTURE_SPLINE_LOD;

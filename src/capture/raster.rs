@@ -343,7 +343,7 @@ pub(crate) fn mip_level<P>([a, b, c]: [Vec2; 3], uv: [[f32; 2]; 3], mips: &[Imag
     clippy::cast_precision_loss,
     reason = "texture sizes are far below 2^24"
 )]
-pub(crate) fn fetch<P>(image: &Image<P>, [u, v]: [f32; 2], clamp: bool) -> &P {
+fn fetch(image: &Image<Texel>, [u, v]: [f32; 2], clamp: bool) -> &Texel {
     let (u, v) = if clamp {
         (u, v)
     } else {

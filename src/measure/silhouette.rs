@@ -4,10 +4,9 @@
 //! is the union of the silhouettes of its parts.
 
 use super::views::Direction;
-use crate::capture::{ALPHA_CUTOFF, View, fetch};
-use crate::image::scan::{self, Clip};
+use crate::capture::{ALPHA_CUTOFF, View};
 use crate::image::{Image, Texel};
-use crate::math::{Bounds, Similarity, Vec2, Vec3, float};
+use crate::math::{Bounds, Similarity, Vec2, Vec3, float, floor_to_u32};
 use crate::mesh::{Mesh, Primitive};
 
 /// Which texels of the foliage atlas are there.
@@ -69,20 +68,22 @@ impl Silhouette {
     /// Adds a mesh, moved to `place`.
     pub fn add(&mut self, mesh: &Mesh, place: &Similarity, cutouts: &Cutouts, view: &View) {
         let covered = &mut self.covered;
-        each_triangle(mesh, place, view, |corners, uv, clip| {
+        let atlas = &cutouts.0;
+        each_triangle(mesh, place, view, |corners, uv| {
             let Some(uv) = uv else {
-                scan::triangle(corners, clip, |x, y, _| {
-                    covered[y as usize * clip.x1 as usize + x as usize] = true;
+                spans(corners, view, |row, columns| {
+                    covered[row + columns.start..row + columns.end].fill(true);
                 });
                 return;
             };
-            scan::triangle(corners, clip, |x, y, b| {
-                let at = &mut covered[y as usize * clip.x1 as usize + x as usize];
-                if !*at {
-                    let [u, v] = core::array::from_fn(|k| {
-                        uv[0][k] * b[0] + uv[1][k] * b[1] + uv[2][k] * b[2]
-                    });
-                    *at = *fetch(&cutouts.0, [u, v], true);
+            let texels = Gradient::of(corners, uv, atlas);
+            let width = view.width as usize;
+            spans(corners, view, |row, columns| {
+                let mut at = texels.at(columns.start, row / width);
+                let pixels = &mut covered[row + columns.start..row + columns.end];
+                for pixel in pixels {
+                    *pixel |= Gradient::covers(at, atlas);
+                    at = [at[0] + texels.step[0], at[1] + texels.step[1]];
                 }
             });
         });
@@ -143,12 +144,94 @@ impl Silhouette {
     }
 }
 
+/// Texture coordinates, in texels, over a triangle in a picture. In doubles: a sliver's gradients are steep.
+struct Gradient {
+    /// At the picture's upper left corner.
+    origin: [f64; 2],
+    /// For a step to the right and a step down.
+    step: [f64; 2],
+    down: [f64; 2],
+}
+
+impl Gradient {
+    fn of(corners: [Vec2; 3], uv: [[f32; 2]; 3], atlas: &Image<bool>) -> Self {
+        let [a, b, c] = corners.map(|p| p.to_array().map(f64::from));
+        let (ab, ac) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+        let inverse = 1.0 / (ab[0] * ac[1] - ab[1] * ac[0]);
+        let size = [f64::from(atlas.width()), f64::from(atlas.height())];
+        let axis = |k: usize| {
+            let [ta, tb, tc] = uv.map(|t| f64::from(t[k]) * size[k]);
+            let step = ((tb - ta) * ac[1] - (tc - ta) * ab[1]) * inverse;
+            let down = ((tc - ta) * ab[0] - (tb - ta) * ac[0]) * inverse;
+            (ta - step * a[0] - down * a[1], step, down)
+        };
+        let (u, v) = (axis(0), axis(1));
+        Self {
+            origin: [u.0, v.0],
+            step: [u.1, v.1],
+            down: [u.2, v.2],
+        }
+    }
+
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "picture sizes are far below 2^52"
+    )]
+    fn at(&self, x: usize, y: usize) -> [f64; 2] {
+        let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
+        core::array::from_fn(|k| self.origin[k] + self.step[k] * x + self.down[k] * y)
+    }
+
+    /// True if the nearest texel is there; a corner's rounding may point just outside.
+    #[inline]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "texel coordinates; casts saturate"
+    )]
+    fn covers([u, v]: [f64; 2], atlas: &Image<bool>) -> bool {
+        let clamp = |x: i32, size: u32| x.max(0).unsigned_abs().min(size - 1);
+        *atlas.at(
+            clamp(u as i32, atlas.width()),
+            clamp(v as i32, atlas.height()),
+        )
+    }
+}
+
+/// Calls `fill` with the index of each row's first pixel and the columns whose middles a triangle covers: from
+/// its left edge to before its right one, so that triangles that share an edge share no pixel.
+#[inline]
+fn spans(
+    mut corners: [Vec2; 3],
+    view: &View,
+    mut fill: impl FnMut(usize, core::ops::Range<usize>),
+) {
+    corners.sort_by(|a, b| a.y.total_cmp(&b.y));
+    let [top, middle, bottom] = corners;
+    // First row whose middle lies below a height.
+    let row = |y: f32| floor_to_u32((y + 0.5).max(0.0)).min(view.height);
+    let column = |x: f32| floor_to_u32((x + 0.5).max(0.0)).min(view.width) as usize;
+    let across = |a: Vec2, b: Vec2, y: f32| a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
+    for (first, last, from, to) in [
+        (row(top.y), row(middle.y), top, middle),
+        (row(middle.y), row(bottom.y), middle, bottom),
+    ] {
+        for y in first..last {
+            let height = float(y) + 0.5;
+            let (one, other) = (across(from, to, height), across(top, bottom, height));
+            let (left, right) = (column(one.min(other)), column(one.max(other)));
+            if left < right {
+                fill(y as usize * view.width as usize, left..right);
+            }
+        }
+    }
+}
+
 /// Fragments that a rasteriser would shade: every sample of every triangle, transparent ones too.
 #[must_use]
 pub fn fragments(mesh: &Mesh, view: &View) -> u64 {
     let mut count = 0;
-    each_triangle(mesh, &Similarity::IDENTITY, view, |corners, _, clip| {
-        scan::triangle(corners, clip, |_, _, _| count += 1);
+    each_triangle(mesh, &Similarity::IDENTITY, view, |corners, _| {
+        spans(corners, view, |_, columns| count += columns.len() as u64);
     });
     count
 }
@@ -159,14 +242,8 @@ fn each_triangle(
     mesh: &Mesh,
     place: &Similarity,
     view: &View,
-    mut visit: impl FnMut([Vec2; 3], Option<[[f32; 2]; 3]>, Clip),
+    mut visit: impl FnMut([Vec2; 3], Option<[[f32; 2]; 3]>),
 ) {
-    let clip = Clip {
-        x0: 0,
-        y0: 0,
-        x1: view.width,
-        y1: view.height,
-    };
     // The whole way from the mesh to samples as two rows of an affine map.
     let origin = view.project(place.point(Vec3::ZERO)).0;
     let [x, y, z] =
@@ -181,13 +258,15 @@ fn each_triangle(
     };
     let has_samples = |[a, b, c]: [Vec2; 3]| {
         let (low, high) = (a.min(b).min(c) + 0.5, a.max(b).max(c) + 0.5);
-        low.x.floor() != high.x.floor() && low.y.floor() != high.y.floor()
+        low.x.floor() != high.x.floor()
+            && low.y.floor() != high.y.floor()
+            && (b - a).perp_dot(c - a).is_normal()
     };
     let bark = project(&mesh.bark);
     for corner in mesh.bark.indices.chunks_exact(3) {
         let corners = [corner[0], corner[1], corner[2]].map(|i| bark[i as usize]);
         if has_samples(corners) {
-            visit(corners, None, clip);
+            visit(corners, None);
         }
     }
     let foliage = project(&mesh.foliage);
@@ -195,11 +274,7 @@ fn each_triangle(
         let corner = [corner[0], corner[1], corner[2]].map(|i| i as usize);
         let corners = corner.map(|i| foliage[i]);
         if has_samples(corners) {
-            visit(
-                corners,
-                Some(corner.map(|i| mesh.foliage.vertices[i].uv)),
-                clip,
-            );
+            visit(corners, Some(corner.map(|i| mesh.foliage.vertices[i].uv)));
         }
     }
 }
