@@ -3,7 +3,9 @@
 
 mod cli_common;
 
-use cli_common::{Run, assert_same, files, generate, names, nursery, pleach, utf8, whole};
+use cli_common::{
+    Run, assert_same, files, generate, manifest, names, nursery, pleach, utf8, whole,
+};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -286,6 +288,21 @@ fn resuming_remakes_what_another_list_or_layout_made() {
         assert_eq!(status(&plain, more), "made", "{more:?}");
         assert_eq!(status(&plain, more), "kept", "{more:?}");
     }
+    for more in [
+        &["--selector", "levels"][..],
+        &["--no-calibrate"],
+        &["--selector", "cut"],
+    ] {
+        assert_eq!(status(&plain, more), "made", "{more:?}");
+        assert_eq!(status(&plain, more), "kept", "{more:?}");
+    }
+    // The script's own word, in so many flags.
+    assert_eq!(status(&plain, &[]), "kept");
+    let set = r#", name: "steps", set: {"lod.selector": "Levels", "lod.calibrate": "false"}"#;
+    assert_eq!(status(&jobs(set), &[]), "made");
+    let steps = manifest(&out.join("sapling-steps-3"));
+    assert_eq!(steps["asked"]["selector"], "levels");
+    assert_eq!(steps["asked"]["calibrate"], false);
     // The last budget of [5, 4] gets no LOD, and the pack is whole all the same.
     for more in [
         ", budgets: [100, 4]",
