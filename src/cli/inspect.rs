@@ -115,13 +115,14 @@ fn lods_text(lods: &[LodEntry]) -> String {
     });
     let sizes: Vec<String> = lods
         .iter()
-        .map(|l| format!("LOD{} at {:.0}", l.index, pixels(l)))
+        .map(|l| format!("LOD{} {:.0}", l.index, pixels(l)))
         .collect();
     format!(
-        "{}\n\nError is the edge, in metres, of the blocks over which a LOD covers as much as full detail \
-         to within a tenth.\nScreen is the part of the picture's height that the tree may fill when the LOD \
-         takes over: its error is then\n{SWITCH_PIXELS} pixels of {LINES} or less. On a screen of {LINES} \
-         lines, by the tree's height in pixels:\n  {}.",
+        "{}\n\n\
+         Error is the edge, in metres, of the blocks over which a LOD covers as much as full detail to within\n\
+         a tenth. Screen is the part of the picture's height that the tree fills when the LOD may take over:\n\
+         its error is then at most {SWITCH_PIXELS} pixels of {LINES}. On a screen of {LINES} lines, that is a \
+         tree of so many\npixels in height (the first LOD serves all greater heights as well): {}.",
         noted_table(&header, rows),
         sizes.join(", "),
     )
