@@ -62,7 +62,7 @@ fn the_list_that_comes_with_the_program_makes_what_generate_makes() {
         generate(&script, &again, &budgets).ends(0, &[]);
         assert_same(&out.join(pack), &again.join(pack));
     }
-    let levels = |pack: &str| cli_common::manifest(&out.join(pack))["levels"].clone();
+    let levels = |pack: &str| manifest(&out.join(pack))["levels"].clone();
     assert_ne!(levels("olive-1")[1]["nodes"], 5);
     assert_eq!(
         levels("olive-sparse-1")[1]["nodes"],
@@ -357,7 +357,7 @@ fn a_variation_is_the_script_with_its_fields_set() {
     let out = dir.path().join("packs");
     batch(&jobs, &out, &[]).ends(0, &[]);
     let pack = out.join("sapling-bushy-7");
-    let made = cli_common::manifest(&pack);
+    let made = manifest(&pack);
     assert_eq!(made["species"]["name"], "Bush");
     assert_eq!(made["species"]["slug"], "sapling-bushy");
     let nodes: Vec<&Value> = made["levels"]
