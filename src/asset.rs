@@ -8,6 +8,7 @@ use crate::mesh::Mesh;
 use crate::mesh::card::Relief;
 use crate::report::Warning;
 use crate::shadow::Shadows;
+use crate::species::schema::LodSelector;
 use crate::tree::{Kind, Tree};
 
 /// A tree with its LODs, textures and shadows.
@@ -29,6 +30,8 @@ pub struct TreeAsset {
     pub captures: usize,
     /// Number of captures of fitted planes.
     pub plane_captures: usize,
+    /// What was asked of the chain of LODs.
+    pub asked: Asked,
     /// LODs from the finest to the coarsest.
     pub lods: Vec<AssetLod>,
     /// Foliage atlas.
@@ -45,6 +48,19 @@ pub struct TreeAsset {
     pub bounds: Bounds,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+}
+
+/// What is asked of a chain of LODs: with the same script and seed it gives the same chain.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// Triangle budgets, falling.
+    pub budgets: Vec<u64>,
+    /// True to lead with full detail.
+    pub full: bool,
+    /// How LODs are chosen under their budgets.
+    pub selector: LodSelector,
+    /// True to scale each LOD's quads so that it covers as much as full detail.
+    pub calibrate: bool,
 }
 
 /// One LOD, ready to be drawn or written.

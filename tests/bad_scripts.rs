@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use pleach::species::schema::{ClosedForm, LodSelector};
 use pleach::species::{self, Beside, Faults, Files, NoFiles};
 use proptest::prelude::*;
 
@@ -60,7 +61,8 @@ const GOOD: &str = r##"(
            length_m: 1.5, radius_m: 0.06, splines: ["limb"], scale: Flame),
   ],
   lod: (budgets: [10000, 2000, 400, 4], priorities: [Splines, Branches, Levels],
-        tolerances: [0.004, 0.01, 0.025, 0.06, 0.15]),
+        tolerances: [0.004, 0.01, 0.025, 0.06, 0.15], selector: Cut, calibrate: true,
+        forms: [("trunk", StarTop), ("limbs", Planes(8))]),
 )"##;
 
 const SHELF: Shelf = Shelf(&[
@@ -100,6 +102,14 @@ fn a_good_script_has_no_fault() {
     let parents: Vec<_> = species.levels.iter().map(|level| level.parent).collect();
     assert_eq!(parents, [None, Some(0), Some(1), Some(0)]);
     assert_eq!(species.splines[1].knots, species::schema::Knots::Chordal);
+    let forms = [
+        ("trunk".to_owned(), ClosedForm::StarTop),
+        ("limbs".to_owned(), ClosedForm::Planes(8)),
+    ];
+    assert_eq!(species.lod.forms, forms);
+    let other = GOOD.replace("Cut, calibrate: true", "Levels, calibrate: false");
+    let lod = species::parse("t.ron", &other, &SHELF).unwrap().lod;
+    assert_eq!((lod.selector, lod.calibrate), (LodSelector::Levels, false));
 }
 
 #[test]
@@ -269,6 +279,78 @@ fn budgets_below_the_smallest_form_are_refused_with_the_reason() {
         "Splines, Branches, Levels",
         "Splines, Splines",
         &["listed twice"],
+    );
+}
+
+#[test]
+fn forms_name_branch_levels_once_with_a_form_that_there_is() {
+    let forms = |with: &str, words: &[&str]| {
+        one_fault(
+            "[(\"trunk\", StarTop), (\"limbs\", Planes(8))]",
+            with,
+            words,
+        );
+    };
+    forms(
+        "[(\"limb\", Cross)]",
+        &[
+            "lod.forms[0].0",
+            "no level is named `limb`",
+            "did you mean `limbs`?",
+        ],
+    );
+    forms(
+        "[(\"sprigs\", Cross)]",
+        &[
+            "lod.forms[0].0",
+            "`sprigs` is a leaf level",
+            "carries the leaves",
+        ],
+    );
+    forms(
+        "[(\"limbs\", Cross), (\"limbs\", StarTop)]",
+        &["lod.forms[1].0", "given two forms", "first named here"],
+    );
+    for planes in ["0", "65", "-3"] {
+        forms(
+            &format!("[(\"limbs\", Planes({planes}))]"),
+            &["lod.forms[0].1.0", "a whole number from 1 to 64"],
+        );
+    }
+    for planes in ["Planes", "Planes()", "Planes(3, 4)", "Planes(n: 3)"] {
+        let with = format!("[(\"limbs\", {planes})]");
+        forms(&with, &["lod.forms[0].1", "takes one number", "Planes(8)"]);
+    }
+    forms("[(\"limbs\", Cross(2))]", &["takes nothing in brackets"]);
+    forms("[(\"limbs\", StarTopp)]", &["did you mean `StarTop`?"]);
+    forms(
+        "[\"limbs\"]",
+        &["lod.forms[0]: expected (level, form)", "found text"],
+    );
+    forms("Cross", &["expected a list of (level, form)"]);
+    // A level that is at fault itself is not reported as missing.
+    let report = after("Branch(name: \"limbs\"", "Brnch(name: \"limbs\"");
+    assert!(report.contains("unknown kind of level"), "{report}");
+    assert!(!report.contains("lod.forms"), "{report}");
+    let many = format!("[{}]", "(\"no\", Cross), ".repeat(100_000));
+    forms(&many, &["at most 16 levels"]);
+}
+
+#[test]
+fn selectors_and_calibration_take_their_own_words_only() {
+    one_fault(
+        "selector: Cut",
+        "selector: Level",
+        &[
+            "lod.selector",
+            "one of Cut, Levels",
+            "did you mean `Levels`?",
+        ],
+    );
+    one_fault(
+        "calibrate: true",
+        "calibrate: 1",
+        &["lod.calibrate", "expected true or false, found"],
     );
 }
 
@@ -540,6 +622,8 @@ fn any_value() -> impl Strategy<Value = String> {
             "(count: 3)",
             "(step: 90)",
             "Gnarled(light: 3)",
+            "[(\"limbs\", Planes(3))]",
+            "Planes(99)",
         ])
         .prop_map(str::to_owned),
     ];

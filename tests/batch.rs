@@ -3,7 +3,9 @@
 
 mod cli_common;
 
-use cli_common::{Run, assert_same, files, generate, names, nursery, pleach, utf8, whole};
+use cli_common::{
+    Run, assert_same, files, generate, manifest, names, nursery, pleach, utf8, whole,
+};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -60,7 +62,7 @@ fn the_list_that_comes_with_the_program_makes_what_generate_makes() {
         generate(&script, &again, &budgets).ends(0, &[]);
         assert_same(&out.join(pack), &again.join(pack));
     }
-    let levels = |pack: &str| cli_common::manifest(&out.join(pack))["levels"].clone();
+    let levels = |pack: &str| manifest(&out.join(pack))["levels"].clone();
     assert_ne!(levels("olive-1")[1]["nodes"], 5);
     assert_eq!(
         levels("olive-sparse-1")[1]["nodes"],
@@ -286,6 +288,21 @@ fn resuming_remakes_what_another_list_or_layout_made() {
         assert_eq!(status(&plain, more), "made", "{more:?}");
         assert_eq!(status(&plain, more), "kept", "{more:?}");
     }
+    for more in [
+        &["--selector", "levels"][..],
+        &["--no-calibrate"],
+        &["--selector", "cut"],
+    ] {
+        assert_eq!(status(&plain, more), "made", "{more:?}");
+        assert_eq!(status(&plain, more), "kept", "{more:?}");
+    }
+    // The script's own word, in so many flags.
+    assert_eq!(status(&plain, &[]), "kept");
+    let set = r#", name: "steps", set: {"lod.selector": "Levels", "lod.calibrate": "false"}"#;
+    assert_eq!(status(&jobs(set), &[]), "made");
+    let steps = manifest(&out.join("sapling-steps-3"));
+    assert_eq!(steps["asked"]["selector"], "levels");
+    assert_eq!(steps["asked"]["calibrate"], false);
     // The last budget of [5, 4] gets no LOD, and the pack is whole all the same.
     for more in [
         ", budgets: [100, 4]",
@@ -340,7 +357,7 @@ fn a_variation_is_the_script_with_its_fields_set() {
     let out = dir.path().join("packs");
     batch(&jobs, &out, &[]).ends(0, &[]);
     let pack = out.join("sapling-bushy-7");
-    let made = cli_common::manifest(&pack);
+    let made = manifest(&pack);
     assert_eq!(made["species"]["name"], "Bush");
     assert_eq!(made["species"]["slug"], "sapling-bushy");
     let nodes: Vec<&Value> = made["levels"]

@@ -50,8 +50,11 @@ fn every_species_becomes_a_pack_that_other_readers_can_open() {
         assert_eq!(whole(&pack), Ok(()), "{}", script.display());
         let made = manifest(&pack);
         has_the_fields_of_the_contract(&made);
-        let inspected = pleach(&["inspect", utf8(&script), "--json"]).json();
-        assert_eq!(made["captures"], inspected["captures"]);
+        let inspect = ["inspect", utf8(&script), "--json", "--texture-size", "256"];
+        let inspected = pleach(&inspect).json();
+        for key in ["captures", "plane_captures", "asked"] {
+            assert_eq!(made[key], inspected[key], "{key}");
+        }
         let slug = made["species"]["slug"].as_str().unwrap();
         let name = format!("{slug}-{}", made["seed"]);
         assert_eq!(pack.file_name().unwrap().to_str(), Some(name.as_str()));
@@ -79,6 +82,9 @@ fn has_the_fields_of_the_contract(made: &Value) {
     assert!(made["generator"].as_str().unwrap().starts_with("pleach "));
     assert_eq!((&made["units"], &made["up"]), (&"m".into(), &"+Y".into()));
     assert!(made["seed"].is_u64() && made["warnings"].is_array());
+    assert!(made["captures"].is_u64() && made["plane_captures"].is_u64());
+    assert!(made["asked"]["budgets"].is_array() && made["asked"]["selector"] == "cut");
+    assert_eq!(made["asked"]["calibrate"], true);
     for key in ["name", "latin", "slug"] {
         assert!(made["species"][key].is_string(), "species.{key}");
     }
@@ -100,6 +106,13 @@ fn has_the_fields_of_the_contract(made: &Value) {
     }
     for lod in lods {
         assert!(lod["state"].is_string());
+        let within = |key: &str, low: f64, high: f64| {
+            let number = lod[key].as_f64().unwrap();
+            assert!((low..=high).contains(&number), "{key} {number}");
+        };
+        within("silhouette_iou", 0.01, 1.0);
+        within("coverage", 0.2, 3.0);
+        within("scale", 0.75, 1.3);
         let parts = ["branches_triangles", "foliage_triangles"].map(|k| lod[k].as_u64().unwrap());
         assert_eq!(lod["triangles"], parts[0] + parts[1]);
         if let Some(budget) = lod["budget"].as_u64() {
@@ -398,21 +411,37 @@ fn inspect_tells_of_scripts_and_packs_and_finds_damage() {
     let (dir, script) = nursery();
     generate(&script, dir.path(), &[]).ends(0, &[]);
     let pack = dir.path().join("sapling-3");
-    let of_script = pleach(&["inspect", utf8(&script), "--json"]);
-    of_script.ends(0, &["Sapling", "limbs", "LOD2"]);
+    let inspect = ["inspect", utf8(&script), "--json", "--texture-size", "256"];
+    let of_script = pleach(&inspect);
+    of_script.ends(0, &["Sapling", "limbs", "LOD2", "Error is", "1080 lines"]);
     let of_pack = pleach(&["inspect", utf8(&pack), "--json"]);
     of_pack.ends(0, &["Sapling", "limbs", "LOD2", "textures/shadows.png"]);
+    let script_text = of_script.err.clone();
     let (of_script, of_pack) = (of_script.json(), of_pack.json());
     assert!(of_pack == manifest(&pack), "the manifest, number by number");
     for key in ["captures", "seed"] {
         assert_eq!(of_script[key], of_pack[key], "{key}");
     }
     assert_eq!(of_script["levels"], of_pack["levels"]);
-    let triangles = |v: &Value| -> Vec<Value> {
-        let lods = v["lods"].as_array().unwrap();
-        lods.iter().map(|l| l["triangles"].clone()).collect()
+    // Each LOD of the script is as in the pack, and tells two things more.
+    let mut lods = of_script["lods"].clone();
+    for lod in lods.as_array_mut().unwrap() {
+        let lod = lod.as_object_mut().unwrap();
+        let number = |value: Option<Value>| value.and_then(|v| v.as_f64()).unwrap();
+        let (used, pixels) = (lod.remove("budget_used"), lod.remove("pixels_of_1080"));
+        let triangles = number(lod.get("triangles").cloned());
+        let budget = number(lod.get("budget").cloned());
+        assert!((number(used) - triangles / budget).abs() < 1e-6);
+        let size = number(lod.get("screen_size").cloned());
+        assert!((number(pixels) - size * 1080.0).abs() < 1e-3);
+    }
+    assert_eq!(lods, of_pack["lods"], "what is told is what is made");
+    let told = |err: &str| {
+        let table = err.split_once("\nLOD").unwrap_or_default().1;
+        table.split("\n\n").next().unwrap_or_default().to_owned()
     };
-    assert_eq!(triangles(&of_script), triangles(&of_pack), "as planned");
+    let pack_text = pleach(&["inspect", utf8(&pack)]).err;
+    assert_eq!(told(&script_text), told(&pack_text));
     let file = pack.join("textures/bark_orm.png");
     let mut bytes = fs::read(&file).unwrap();
     let middle = bytes.len() / 2;
@@ -423,6 +452,59 @@ fn inspect_tells_of_scripts_and_packs_and_finds_damage() {
     pleach(&["inspect", utf8(&pack)]).ends(1, &["bark_orm.png"]);
     pleach(&["inspect", utf8(&dir.path().join("none"))]).ends(1, &["none"]);
     pleach(&["inspect", utf8(dir.path())]).ends(1, &["pack.json"]);
+}
+
+#[test]
+fn a_pack_of_an_older_version_is_told_of_without_what_was_not_measured() {
+    let (dir, script) = nursery();
+    generate(&script, dir.path(), &[]).ends(0, &[]);
+    let pack = dir.path().join("sapling-3");
+    let mut made = manifest(&pack);
+    for key in ["plane_captures", "asked"] {
+        made.as_object_mut().unwrap().remove(key).unwrap();
+    }
+    for lod in made["lods"].as_array_mut().unwrap() {
+        for key in ["scale", "silhouette_iou", "coverage"] {
+            lod.as_object_mut().unwrap().remove(key).unwrap();
+        }
+    }
+    fs::write(pack.join("pack.json"), made.to_string()).unwrap();
+    let run = pleach(&["inspect", utf8(&pack), "--json"]);
+    run.ends(0, &["Sapling", "1.000"]);
+    let read = run.json();
+    assert_eq!(read["plane_captures"], 0);
+    assert_eq!(read["lods"][1]["scale"], 1.0);
+    assert!(read["lods"][1]["coverage"].is_null() && read["asked"].is_null());
+}
+
+#[test]
+fn flags_of_the_lod_chain_override_the_script() {
+    let (dir, script) = nursery();
+    let made = |flags: &[&str]| {
+        let run = generate(&script, dir.path(), &[&["--json"], flags].concat());
+        run.ends(0, &[]);
+        run.json()["pack"].clone()
+    };
+    let is_cut = |lod: &Value| lod["state"].as_str().unwrap().starts_with("cut;");
+    let is_scaled = |lod: &Value| lod["scale"] != 1.0;
+    let any =
+        |pack: &Value, of: &dyn Fn(&Value) -> bool| pack["lods"].as_array().unwrap().iter().any(of);
+    let plain = made(&[]);
+    assert!(any(&plain, &is_cut) && any(&plain, &is_scaled), "{plain}");
+    let levels = made(&["--selector", "levels", "--no-calibrate"]);
+    assert!(!any(&levels, &is_cut) && !any(&levels, &is_scaled));
+    assert_eq!(levels["asked"]["selector"], "levels");
+    assert_eq!(levels["asked"]["calibrate"], false);
+    // The script's word counts where there is no flag, and the flag's where there is.
+    let text = fs::read_to_string(&script).unwrap();
+    let own = "4], selector: Levels, calibrate: false)";
+    fs::write(&script, text.replace("4])", own)).unwrap();
+    assert_eq!(made(&[])["lods"], levels["lods"]);
+    let cut = made(&["--selector", "cut"]);
+    assert!(any(&cut, &is_cut) && !any(&cut, &is_scaled));
+    let inspect = ["inspect", utf8(&script), "--json", "--texture-size", "256"];
+    let told = pleach(&[&inspect[..], &["--selector", "cut"]].concat()).json();
+    assert_eq!(told["asked"], cut["asked"]);
 }
 
 #[test]
@@ -490,6 +572,7 @@ fn command_lines_at_fault_end_with_two_and_the_reason() {
         (&["--seed=-1"], &["--seed"]),
         (&["--baker", "gpu"], &["no GPU backend"]),
         (&["--baker", "oven"], &["cpu"]),
+        (&["--selector", "cuts"], &["cut", "levels"]),
     ] {
         let mut all = vec!["generate", utf8(&script), "--out", utf8(&out)];
         all.extend(args);

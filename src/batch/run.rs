@@ -2,12 +2,10 @@
 
 use super::jobs::{Item, Plan};
 use crate::asset::TreeAsset;
-use crate::lod::Selector;
-use crate::pack::{self, Manifest, Options, Replace, WriteError};
+use crate::pack::{self, AskedEntry, Manifest, Options, Replace, WriteError};
 use crate::pipeline::{self, GenerateError, Settings};
 use crate::report::Progress;
 use crate::species::Beside;
-use crate::tree;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -129,12 +127,7 @@ fn make(item: &Item, options: &RunOptions, progress: &dyn Progress) -> Result<Tr
         .species
         .as_ref()
         .map_err(|faults| failed(faults.clone()))?;
-    let mut settings = options.settings.clone();
-    settings.seed = Some(item.seed);
-    settings.budgets = item.budgets.clone().or(settings.budgets);
-    if let Some(size) = item.texture_size {
-        settings.captures.atlas_size = size;
-    }
+    let settings = settings(item, options);
     let files = Beside(item.path.parent().unwrap_or(Path::new("")).to_owned());
     let asset = pipeline::generate(species, &settings, &files, progress).map_err(|error| {
         if progress.cancelled() || matches!(error, GenerateError::Cancelled(_)) {
@@ -153,6 +146,17 @@ fn make(item: &Item, options: &RunOptions, progress: &dyn Progress) -> Result<Tr
     Ok(asset)
 }
 
+/// The run's settings with the item's own.
+fn settings(item: &Item, options: &RunOptions) -> Settings {
+    let mut settings = options.settings.clone();
+    settings.seed = Some(item.seed);
+    settings.budgets = item.budgets.clone().or(settings.budgets);
+    if let Some(size) = item.texture_size {
+        settings.captures.atlas_size = size;
+    }
+    settings
+}
+
 /// True if the item's pack is there, is what this plan would make, and all its files are what the
 /// manifest says.
 fn is_whole(item: &Item, options: &RunOptions) -> bool {
@@ -163,9 +167,7 @@ fn is_whole(item: &Item, options: &RunOptions) -> bool {
     let generator = concat!("pleach ", env!("CARGO_PKG_VERSION"));
     let same_script = std::fs::read(folder.join("species.ron"))
         .is_ok_and(|script| script == item.script.as_bytes());
-    let atlas = item
-        .texture_size
-        .unwrap_or(options.settings.captures.atlas_size);
+    let atlas = settings(item, options).captures.atlas_size;
     same_script
         && manifest.generator == generator
         && manifest.seed == item.seed
@@ -192,19 +194,13 @@ fn same_sources(item: &Item, folder: &Path) -> bool {
     })
 }
 
-/// True if the budgets wanted now give the LODs that a pack has.
+/// True if a pack's LODs were asked for as they are now.
 fn same_lods(item: &Item, options: &RunOptions, manifest: &Manifest) -> bool {
     let Ok(species) = &item.species else {
         return false;
     };
-    let Ok(tree) = tree::grow(species, item.seed, &options.settings.limits) else {
-        return false;
-    };
-    let budgets = item.budgets.as_ref().or(options.settings.budgets.as_ref());
-    let budgets = budgets.unwrap_or(&species.lod.budgets);
-    let chain = Selector::new(&tree, &species.lod).chain(budgets, options.settings.full);
-    let wanted = chain.lods.iter().map(|l| (l.budget, l.triangles.total()));
-    wanted.eq(manifest.lods.iter().map(|l| (l.budget, l.triangles)))
+    let asked = settings(item, options).asked(species);
+    manifest.asked.as_ref() == Some(&AskedEntry::from(&asked))
 }
 
 /// True if the JSON chunk of a GLB of ours keeps its images inside.

@@ -1,7 +1,8 @@
 //! The arguments of every command.
 
 use crate::batch::Shard;
-use clap::{Args as ClapArgs, Parser, Subcommand};
+use crate::pipeline::{Selection, Settings};
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Grows trees from species scripts and flattens them into LOD packs under triangle budgets.
@@ -52,12 +53,45 @@ pub(crate) struct Tree {
     /// Triangle budgets, falling, one LOD each; `full` first for full detail: `full,10000,400,4`.
     #[arg(long, value_delimiter = ',')]
     pub(crate) budgets: Option<Vec<String>>,
+    #[command(flatten)]
+    pub(crate) lods: Lods,
     /// Edge of the foliage atlas, texels: a power of two.
     #[arg(long, default_value_t = 1024)]
     pub(crate) texture_size: u32,
     /// What draws the captures.
     #[arg(long, default_value = "auto", value_parser = ["cpu", "gpu", "auto"])]
     pub(crate) baker: String,
+}
+
+/// How LODs are made, whatever the script says.
+#[derive(Clone, Copy, Debug, ClapArgs)]
+pub(crate) struct Lods {
+    /// How LODs are chosen under their budgets; as the script says without.
+    #[arg(long, value_enum)]
+    selector: Option<Selector>,
+    /// Leave quads at their own size instead of scaling each LOD until it covers as much as full detail.
+    #[arg(long)]
+    no_calibrate: bool,
+}
+
+/// How LODs are chosen.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Selector {
+    /// Node by node, unless level-wide steps look better.
+    Cut,
+    /// Level by level, as in the paper.
+    Levels,
+}
+
+impl Lods {
+    /// Puts what is asked for in the place of the script's word.
+    pub(crate) fn apply(self, settings: &mut Settings) {
+        settings.selection = self.selector.map(|selector| match selector {
+            Selector::Cut => Selection::Cut,
+            Selector::Levels => Selection::Levels,
+        });
+        settings.calibrate = self.no_calibrate.then_some(false);
+    }
 }
 
 /// How packs are laid out.
@@ -91,6 +125,8 @@ pub(crate) struct Batch {
     #[arg(long)]
     pub(crate) resume: bool,
     #[command(flatten)]
+    pub(crate) lods: Lods,
+    #[command(flatten)]
     pub(crate) pack: Pack,
     /// Print what became of every tree to stdout.
     #[arg(long)]
@@ -117,6 +153,11 @@ pub(crate) struct Inspect {
     /// Triangle budgets, for a script.
     #[arg(long, value_delimiter = ',')]
     pub(crate) budgets: Option<Vec<String>>,
+    #[command(flatten)]
+    pub(crate) lods: Lods,
+    /// Edge of the foliage atlas, texels, for a script: LODs are measured with the leaves that it shows.
+    #[arg(long, default_value_t = 1024)]
+    pub(crate) texture_size: u32,
     /// Print to stdout.
     #[arg(long)]
     pub(crate) json: bool,

@@ -49,13 +49,15 @@ pub(crate) fn run(args: &Batch) -> Result<End, Failure> {
         plan = plan.shard(shard);
     }
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut settings = Settings::default();
+    args.lods.apply(&mut settings);
     let options = RunOptions {
         out: args.out.clone(),
         threads: args.threads.map_or(cores, usize::from),
         resume: args.resume,
         replace: args.pack.replace(),
         pack: args.pack.options(),
-        settings: Settings::default(),
+        settings,
     };
     let bars = MultiProgress::new();
     let overall = bars.add(ProgressBar::new(plan.items.len() as u64));

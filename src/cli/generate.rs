@@ -69,10 +69,12 @@ fn settings(tree: &args::Tree, seed: Option<u64>) -> Result<Settings, Failure> {
         budgets,
         ..Settings::default()
     };
+    tree.lods.apply(&mut settings);
     settings.captures.atlas_size = args::texture_size(tree.texture_size).map_err(Failure::usage)?;
     Ok(settings)
 }
 
-fn failure(path: &std::path::Path, error: &GenerateError) -> Failure {
+/// A tree that could not be made; the message names the script.
+pub(crate) fn failure(path: &std::path::Path, error: &GenerateError) -> Failure {
     Failure::input(format!("{}: {error}", path.display()))
 }

@@ -1,15 +1,13 @@
 //! `pleach inspect`: what a script or a pack holds.
 
 use super::args::{self, Inspect};
-use super::table::{bytes, number, table};
+use super::progress::Bar;
+use super::table::{bytes, noted_table, number, table};
 use super::{End, Failure};
-use crate::asset::level_summaries;
-use crate::capture::Plan;
-use crate::lod::Selector;
+use crate::lod::{SWITCH_PIXELS, Selector};
 use crate::math::Similarity;
-use crate::pack::{self, Manifest};
-use crate::tree::{self, Limits};
-use serde_json::json;
+use crate::pack::{self, AskedEntry, LevelEntry, LodEntry, Manifest};
+use crate::pipeline::{self, Settings};
 
 pub(crate) fn run(args: &Inspect) -> Result<End, Failure> {
     if args.path.is_dir() {
@@ -50,7 +48,20 @@ pub(crate) fn manifest_text(manifest: &Manifest) -> String {
     let height = manifest.bounds.max[1] - manifest.bounds.min[1];
     let width = (manifest.bounds.max[0] - manifest.bounds.min[0])
         .max(manifest.bounds.max[2] - manifest.bounds.min[2]);
-    let levels = manifest.levels.iter().map(|l| {
+    let [atlas, _] = manifest.textures.foliage.size;
+    format!(
+        "{}{latin}, seed {}: all LODs within {height:.1} m of height and {width:.1} m of width; {} in an atlas of {atlas} x {atlas}\n\n{}\n\n{}",
+        species.name,
+        manifest.seed,
+        captures(manifest.captures, manifest.plane_captures),
+        levels_text(&manifest.levels),
+        lods_text(&manifest.lods),
+    )
+}
+
+/// Levels as a table.
+fn levels_text(levels: &[LevelEntry]) -> String {
+    let rows = levels.iter().map(|l| {
         vec![
             l.name.clone(),
             l.kind.clone(),
@@ -58,112 +69,166 @@ pub(crate) fn manifest_text(manifest: &Manifest) -> String {
             number(l.nodes),
         ]
     });
-    let lods = manifest.lods.iter().map(|l| {
-        vec![
+    table(&["level", "kind", "#prototypes", "#nodes"], rows)
+}
+
+/// Captures in words.
+fn captures(sides: usize, planes: usize) -> String {
+    match planes {
+        0 => format!("{sides} captures"),
+        _ => format!("{sides} captures and {planes} of fitted planes"),
+    }
+}
+
+/// LODs as a table, each with its state on a line of its own, and what the numbers mean.
+fn lods_text(lods: &[LodEntry]) -> String {
+    let header = [
+        "LOD",
+        "#budget",
+        "#triangles",
+        "#used %",
+        "#bark",
+        "#foliage",
+        "#error m",
+        "#screen",
+        "#IoU",
+        "#coverage %",
+        "#scale",
+    ];
+    let rows = lods.iter().map(|l| {
+        let row = vec![
             format!("LOD{}", l.index),
             l.budget.map_or_else(|| "full".to_owned(), number),
             number(l.triangles),
+            used(l).map_or_else(String::new, |used| format!("{:.0}", used * 100.0)),
             number(l.branches_triangles),
             number(l.foliage_triangles),
             format!("{:.3}", l.error_m),
             format!("{:.3}", l.screen_size),
-            l.state.clone(),
-        ]
+            l.silhouette_iou
+                .map_or_else(String::new, |i| format!("{i:.3}")),
+            l.coverage
+                .map_or_else(String::new, |c| format!("{:.1}", c * 100.0)),
+            format!("{:.3}", l.scale),
+        ];
+        (row, l.state.clone())
     });
-    let [atlas, _] = manifest.textures.foliage.size;
+    let sizes: Vec<String> = lods
+        .iter()
+        .map(|l| format!("LOD{} {:.0}", l.index, pixels(l)))
+        .collect();
     format!(
-        "{}{latin}, seed {}: all LODs within {height:.1} m of height and {width:.1} m of width; {} captures in an atlas of {atlas} x {atlas}\n\n{}\n\n{}",
-        species.name,
-        manifest.seed,
-        manifest.captures,
-        table(&["level", "kind", "#prototypes", "#nodes"], levels),
-        table(
-            &[
-                "LOD",
-                "#budget",
-                "#triangles",
-                "#bark",
-                "#foliage",
-                "#error m",
-                "#screen",
-                "state"
-            ],
-            lods
-        ),
+        "{}\n\n\
+         Error is the edge, in metres, of the blocks over which a LOD covers as much as full detail to within\n\
+         a tenth. Screen is the part of the picture's height that the tree fills when the LOD may take over:\n\
+         its error is then at most {SWITCH_PIXELS} pixels of {LINES}. On a screen of {LINES} lines, that is a \
+         tree of so many\npixels in height (the first LOD serves all greater heights as well): {}.",
+        noted_table(&header, rows),
+        sizes.join(", "),
     )
 }
 
-fn script(args: &Inspect) -> Result<End, Failure> {
+/// Lines of the screen in whose pixels sizes are told.
+const LINES: u16 = 1080;
+
+/// Height of the tree at which a LOD may take over, pixels of a screen of [`LINES`].
+fn pixels(lod: &LodEntry) -> f32 {
+    lod.screen_size * f32::from(LINES)
+}
+
+/// Part of its budget that a LOD uses; nothing for full detail, which has none.
+#[expect(clippy::cast_precision_loss, reason = "a part, for people")]
+fn used(lod: &LodEntry) -> Option<f32> {
+    lod.budget
+        .map(|budget| lod.triangles as f32 / budget.max(1) as f32)
+}
+
+/// Settings from arguments; all of them are checked before any work.
+fn settings(args: &Inspect) -> Result<Settings, Failure> {
     let (full, budgets) = args::budgets(args.budgets.as_deref()).map_err(Failure::usage)?;
+    let mut settings = Settings {
+        seed: args.seed,
+        full,
+        budgets,
+        ..Settings::default()
+    };
+    args.lods.apply(&mut settings);
+    settings.captures.atlas_size = args::texture_size(args.texture_size).map_err(Failure::usage)?;
+    Ok(settings)
+}
+
+/// A LOD of a script, in the words of a pack's manifest, and what follows from them.
+#[derive(serde::Serialize)]
+struct ScriptLod<'a> {
+    #[serde(flatten)]
+    lod: &'a LodEntry,
+    /// Part of the budget.
+    budget_used: Option<f32>,
+    /// Height of the tree, pixels of a screen of 1080 lines, at which it may take over.
+    pixels_of_1080: f32,
+}
+
+/// What `--json` tells of a script. Structures and no JSON values, whose numbers would be widened.
+#[derive(serde::Serialize)]
+struct ScriptJson<'a> {
+    species: &'a str,
+    seed: u64,
+    captures: usize,
+    plane_captures: usize,
+    asked: AskedEntry,
+    full_triangles: u64,
+    graph_bytes: usize,
+    levels: Vec<LevelEntry>,
+    lods: Vec<ScriptLod<'a>>,
+    warnings: Vec<String>,
+}
+
+/// Makes the tree, all but its files: what LODs look like is measured, so it cannot be told without.
+fn script(args: &Inspect) -> Result<End, Failure> {
+    let settings = settings(args)?;
     let script = super::read_script(&args.path)?;
-    let species = &script.species;
-    let seed = args.seed.unwrap_or(species.seed);
-    let tree = tree::grow(species, seed, &Limits::default())
-        .map_err(|e| Failure::input(format!("{}: {e}", args.path.display())))?;
-    let selector = Selector::new(&tree, &species.lod);
-    let budgets = budgets.unwrap_or_else(|| species.lod.budgets.clone());
-    let chain = selector.chain(&budgets, full);
+    let bar = Bar::alone(&script.species.name);
+    let asset = pipeline::generate(&script.species, &settings, &script.files, &bar)
+        .map_err(|error| super::generate::failure(&args.path, &error))?;
+    drop(bar);
+    let tree = &asset.tree;
+    let full_triangles = Selector::new(tree, &script.species.lod).full_triangles();
     let size = tree.extents()[0][0].bounds(&Similarity::IDENTITY).size();
-    let captures = Plan::of(&tree).captures();
-    let summaries = level_summaries(&tree);
     eprintln!(
-        "{}, seed {seed}: about {:.1} m high, {:.1} m wide; {captures} captures; {} triangles at full \
-         detail; {} of memory for all nodes\n",
-        species.name,
+        "{}, seed {}: about {:.1} m high, {:.1} m wide; {}; {} triangles at full detail; {} of memory for \
+         all nodes\n",
+        asset.name,
+        asset.seed,
         size.y,
         size.x.max(size.z),
-        number(selector.full_triangles()),
+        captures(asset.captures, asset.plane_captures),
+        number(full_triangles),
         bytes(tree.bytes() as u64),
     );
-    let rows = summaries.iter().map(|l| {
-        vec![
-            l.name.clone(),
-            l.kind.to_owned(),
-            l.prototypes.to_string(),
-            number(l.nodes),
-        ]
-    });
-    eprintln!(
-        "{}\n",
-        table(&["level", "kind", "#prototypes", "#nodes"], rows)
-    );
-    let lods = chain.lods.iter().enumerate().map(|(index, l)| {
-        vec![
-            format!("LOD{index}"),
-            l.budget.map_or_else(|| "full".to_owned(), number),
-            number(l.triangles.total()),
-            format!("{:.3}", l.error_m),
-            l.state.describe(&tree),
-        ]
-    });
-    eprintln!(
-        "{}",
-        table(&["LOD", "#budget", "#triangles", "#error m", "state"], lods)
-    );
-    for warning in &chain.warnings {
+    let levels = LevelEntry::all(tree);
+    let lods = LodEntry::all(&asset);
+    eprintln!("{}\n\n{}", levels_text(&levels), lods_text(&lods));
+    for warning in &asset.warnings {
         eprintln!("warning: {warning}");
     }
     if args.json {
-        let levels: Vec<_> = summaries
-            .iter()
-            .map(|l| json!({ "name": l.name, "kind": l.kind, "prototypes": l.prototypes, "nodes": l.nodes }))
-            .collect();
-        let lods: Vec<_> = chain
-            .lods
-            .iter()
-            .map(|l| {
-                json!({
-                    "budget": l.budget, "triangles": l.triangles.total(), "error_m": l.error_m,
-                    "screen_size": l.screen_size, "state": l.state.describe(&tree),
-                })
-            })
-            .collect();
-        super::say(&json!({
-            "species": species.name, "seed": seed, "captures": captures,
-            "full_triangles": selector.full_triangles(), "graph_bytes": tree.bytes(),
-            "levels": levels, "lods": lods,
-            "warnings": chain.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        }))?;
+        let lods = lods.iter().map(|lod| ScriptLod {
+            lod,
+            budget_used: used(lod),
+            pixels_of_1080: pixels(lod),
+        });
+        super::say(&ScriptJson {
+            species: &asset.name,
+            seed: asset.seed,
+            captures: asset.captures,
+            plane_captures: asset.plane_captures,
+            asked: (&asset.asked).into(),
+            full_triangles,
+            graph_bytes: tree.bytes(),
+            levels,
+            lods: lods.collect(),
+            warnings: asset.warnings.iter().map(ToString::to_string).collect(),
+        })?;
     }
     Ok(End::Done)
 }

@@ -1,7 +1,9 @@
 //! `pack.json`: what a pack holds, in words that need no SDK. Field names are a contract.
 
 use super::{BuildError, PackFile};
-use crate::asset::{TreeAsset, level_summaries};
+use crate::asset::{Asked, AssetLod, LevelSummary, TreeAsset, level_summaries};
+use crate::species::schema::LodSelector;
+use crate::tree::Tree;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -32,8 +34,14 @@ pub struct Manifest {
     pub bounds: BoundsEntry,
     /// Levels, the first first.
     pub levels: Vec<LevelEntry>,
-    /// Number of captures.
+    /// Number of captures from two sides.
     pub captures: usize,
+    /// Number of captures of fitted planes; 0 in packs that have none, or were written before there were any.
+    #[serde(default)]
+    pub plane_captures: usize,
+    /// What was asked of the chain of LODs; null in packs that do not tell.
+    #[serde(default)]
+    pub asked: Option<AskedEntry>,
     /// LODs, the finest first.
     pub lods: Vec<LodEntry>,
     /// Textures by role.
@@ -79,6 +87,34 @@ pub struct LevelEntry {
     pub nodes: u64,
 }
 
+/// What was asked of a chain of LODs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AskedEntry {
+    /// Triangle budgets, falling; some may have got no LOD.
+    pub budgets: Vec<u64>,
+    /// True if full detail leads.
+    pub full: bool,
+    /// `cut` or `levels`.
+    pub selector: String,
+    /// True if each LOD's quads were scaled so that it covers as much as full detail.
+    pub calibrate: bool,
+}
+
+impl From<&Asked> for AskedEntry {
+    fn from(asked: &Asked) -> Self {
+        let selector = match asked.selector {
+            LodSelector::Cut => "cut",
+            LodSelector::Levels => "levels",
+        };
+        Self {
+            budgets: asked.budgets.clone(),
+            full: asked.full,
+            selector: selector.to_owned(),
+            calibrate: asked.calibrate,
+        }
+    }
+}
+
 /// One LOD.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LodEntry {
@@ -94,12 +130,70 @@ pub struct LodEntry {
     pub branches_triangles: u64,
     /// Triangles of the foliage primitive.
     pub foliage_triangles: u64,
-    /// Geometric error, metres; rises along the chain.
+    /// Edge of the blocks, metres, over which the LOD's coverage is right to within a tenth (mean over the
+    /// calibration views); rises along the chain.
     pub error_m: f32,
-    /// Part of the picture's height up to which the LOD may be shown.
+    /// Part of the picture's height that the tree may fill while the LOD is shown: there `error_m` is 6 pixels
+    /// of a picture 1080 high. At most 1; falls along the chain.
     pub screen_size: f32,
+    /// Factor on the LOD's quads at which it covers as much as full detail; 1 if it was not calibrated, or has
+    /// no such quads.
+    #[serde(default = "one")]
+    pub scale: f32,
+    /// Intersection over union of its silhouette and full detail's, 0..=1, mean over the calibration views; null
+    /// in packs written before it was measured.
+    #[serde(default)]
+    pub silhouette_iou: Option<f32>,
+    /// Covered area over full detail's, mean over the calibration views; null in packs written before it was
+    /// measured.
+    #[serde(default)]
+    pub coverage: Option<f32>,
     /// In which form each level is drawn.
     pub state: String,
+}
+
+/// The scale of what is not scaled.
+const fn one() -> f32 {
+    1.0
+}
+
+impl LevelEntry {
+    /// Describes all levels of a tree, the first first.
+    pub(crate) fn all(tree: &Tree) -> Vec<Self> {
+        let one = |level: LevelSummary| Self {
+            name: level.name,
+            kind: level.kind.to_owned(),
+            prototypes: level.prototypes,
+            nodes: level.nodes,
+        };
+        level_summaries(tree).into_iter().map(one).collect()
+    }
+}
+
+impl LodEntry {
+    /// Describes all LODs of a tree, the finest first.
+    pub(crate) fn all(asset: &TreeAsset) -> Vec<Self> {
+        let lods = asset.lods.iter().enumerate();
+        lods.map(|(index, lod)| Self::of(asset, index, lod))
+            .collect()
+    }
+
+    fn of(asset: &TreeAsset, index: usize, lod: &AssetLod) -> Self {
+        Self {
+            index,
+            file: format!("{}_LOD{index}.glb", asset.slug),
+            budget: lod.budget,
+            triangles: lod.triangles.total(),
+            branches_triangles: lod.triangles.branches,
+            foliage_triangles: lod.triangles.foliage,
+            error_m: lod.error_m,
+            screen_size: lod.screen_size,
+            scale: lod.scale,
+            silhouette_iou: Some(lod.iou),
+            coverage: Some(lod.coverage),
+            state: lod.state.clone(),
+        }
+    }
 }
 
 /// Textures by role. Foliage alpha is coverage; normals are +Y up; `orm` is occlusion, roughness,
@@ -168,25 +262,6 @@ pub struct FileEntry {
 impl Manifest {
     /// Describes an asset and its files.
     pub(super) fn of(asset: &TreeAsset, files: &[PackFile]) -> Self {
-        let levels = level_summaries(&asset.tree)
-            .into_iter()
-            .map(|l| LevelEntry {
-                name: l.name,
-                kind: l.kind.to_owned(),
-                prototypes: l.prototypes,
-                nodes: l.nodes,
-            });
-        let lods = asset.lods.iter().enumerate().map(|(index, lod)| LodEntry {
-            index,
-            file: format!("{}_LOD{index}.glb", asset.slug),
-            budget: lod.budget,
-            triangles: lod.triangles.total(),
-            branches_triangles: lod.triangles.branches,
-            foliage_triangles: lod.triangles.foliage,
-            error_m: lod.error_m,
-            screen_size: lod.screen_size,
-            state: lod.state.clone(),
-        });
         let file = |f: &PackFile| FileEntry {
             path: f.path.clone(),
             bytes: f.bytes.len() as u64,
@@ -208,9 +283,11 @@ impl Manifest {
                 min: asset.bounds.min.to_array(),
                 max: asset.bounds.max.to_array(),
             },
-            levels: levels.collect(),
+            levels: LevelEntry::all(&asset.tree),
             captures: asset.captures,
-            lods: lods.collect(),
+            plane_captures: asset.plane_captures,
+            asked: Some((&asset.asked).into()),
+            lods: LodEntry::all(asset),
             textures: textures(asset, files),
             shadows: shadows(asset),
             files: files.iter().map(file).collect(),

@@ -6,7 +6,7 @@ mod manifest;
 mod read;
 mod write;
 
-pub use manifest::{FORMAT, FileEntry, LodEntry, Manifest, VERSION};
+pub use manifest::{AskedEntry, FORMAT, FileEntry, LevelEntry, LodEntry, Manifest, VERSION};
 pub use read::{PackContents, ReadError, read};
 pub use write::{Replace, WriteError, check_place, read_manifest, sweep, verify, write};
 

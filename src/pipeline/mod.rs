@@ -5,7 +5,7 @@ mod choose;
 pub use choose::Selection;
 
 use self::choose::Fitting;
-use crate::asset::{AssetLod, Surface, TreeAsset};
+use crate::asset::{Asked, AssetLod, Surface, TreeAsset};
 use crate::capture::{self, ALPHA_CUTOFF, BakeError, LeafArtwork, Plan};
 use crate::image::dilate::dilate;
 use crate::image::{Image, Texel, mips};
@@ -19,7 +19,7 @@ use crate::mesh::{Flattener, Mesh, TooLarge};
 use crate::report::{Cancelled, Progress, Warning};
 use crate::shadow::{self, Shadows};
 use crate::species::Files;
-use crate::species::schema::{LeafLook, Species};
+use crate::species::schema::{LeafLook, LodSelector, Species};
 use crate::texture;
 use crate::tree::{self, GrowError, Limits, Tree};
 
@@ -38,10 +38,10 @@ pub struct Settings {
     pub bark_size: u32,
     /// How shadows are baked.
     pub shadows: shadow::Settings,
-    /// How LODs are chosen under their budgets.
-    pub selection: Selection,
-    /// True to scale each LOD's quads so that it covers as much as full detail.
-    pub calibrate: bool,
+    /// How LODs are chosen under their budgets; the script's word if `None`.
+    pub selection: Option<Selection>,
+    /// True to scale each LOD's quads so that it covers as much as full detail; the script's word if `None`.
+    pub calibrate: Option<bool>,
     /// How large a tree may be.
     pub limits: Limits,
 }
@@ -55,9 +55,36 @@ impl Default for Settings {
             captures: capture::Settings::default(),
             bark_size: 512,
             shadows: shadow::Settings::default(),
-            selection: Selection::default(),
-            calibrate: true,
+            selection: None,
+            calibrate: None,
             limits: Limits::default(),
+        }
+    }
+}
+
+impl From<LodSelector> for Selection {
+    fn from(selector: LodSelector) -> Self {
+        match selector {
+            LodSelector::Cut => Self::Cut,
+            LodSelector::Levels => Self::Levels,
+        }
+    }
+}
+
+impl Settings {
+    /// What is asked of the chain of LODs: these settings, and the script's word where they have none.
+    #[must_use]
+    pub fn asked(&self, species: &Species) -> Asked {
+        let lod = &species.lod;
+        Asked {
+            budgets: self.budgets.clone().unwrap_or_else(|| lod.budgets.clone()),
+            full: self.full,
+            selector: match self.selection {
+                Some(Selection::Cut) => LodSelector::Cut,
+                Some(Selection::Levels) => LodSelector::Levels,
+                None => lod.selector,
+            },
+            calibrate: self.calibrate.unwrap_or(lod.calibrate),
         }
     }
 }
@@ -147,8 +174,8 @@ pub fn generate(
         used: &used,
         quads: &baked.quads,
         bark_height: height,
-        calibrate: settings.calibrate,
-        selection: settings.selection,
+        calibrate: settings.calibrate.unwrap_or(species.lod.calibrate),
+        selection: settings.asked(species).selector.into(),
     };
     let lods = lods(species, &fitting, &drafts.drafts, &baked)?;
     if std::env::var_os("DUMP").is_some() {
@@ -179,6 +206,7 @@ pub fn generate(
         latin: species.latin.clone(),
         slug: species.slug.clone(),
         seed,
+        asked: settings.asked(species),
         captures: plan.captures(),
         plane_captures: plan.plane_captures(),
         sources,
@@ -298,7 +326,8 @@ fn forms(
         .filter(|(_, level)| level.kind == tree::Kind::Leaf)
         .flat_map(|(nodes, _)| nodes)
         .sum();
-    if settings.selection == Selection::Levels || cards > MEASURED_CARDS {
+    let levels_only = settings.asked(species).selector == LodSelector::Levels;
+    if levels_only || cards > MEASURED_CARDS {
         return Ok(None);
     }
     let (sheet, places) = capture::leaf_sheet(artwork)?;

@@ -1,5 +1,6 @@
 //! Editing a script's text at one field, leaving comments, order and everything else as they are.
 
+use super::fields::{Absent, SPECIES};
 use super::syntax::{self, Kind, Node};
 
 /// Why a field could not be set.
@@ -35,7 +36,7 @@ pub enum EditError {
 ///
 /// Steps of a path are separated by `.`; an item of a list is named by its `name` field or by its
 /// number from 0: `levels.trunk.length_m`, `levels.0.length_m`. The last field may be absent and is then
-/// added.
+/// added, and so may a struct of the whole script that has a default for all of its fields: `lod.selector`.
 ///
 /// # Errors
 /// See [`EditError`].
@@ -55,6 +56,10 @@ pub fn set(source: &str, path: &str, value: &str) -> Result<String, EditError> {
         match child(node, step) {
             Some(next) => node = next,
             None if index + 1 == steps.len() => return added(source, node, path, step, value),
+            None if index == 0 && steps.len() == 2 && is_all_defaults(step) => {
+                let whole = format!("({}: {value})", steps[1]);
+                return added(source, node, path, step, &whole);
+            }
             None => return Err(missing(node, path, step)),
         }
     }
@@ -63,6 +68,12 @@ pub fn set(source: &str, path: &str, value: &str) -> Result<String, EditError> {
 
 fn spliced(source: &str, span: std::ops::Range<usize>, text: &str) -> String {
     format!("{}{text}{}", &source[..span.start], &source[span.end..])
+}
+
+/// True for a field of the whole script that may be `()`.
+fn is_all_defaults(step: &str) -> bool {
+    let field = SPECIES.field(step);
+    field.is_some_and(|field| field.absent == Absent::Means("()"))
 }
 
 /// The field or item that a step names.
@@ -103,8 +114,12 @@ fn added(
     step: &str,
     value: &str,
 ) -> Result<String, EditError> {
-    let Kind::Struct { fields, .. } = &node.kind else {
-        return Err(missing(node, path, step));
+    let no_fields = Vec::new();
+    let fields = match &node.kind {
+        Kind::Struct { fields, .. } => fields,
+        // `()` and `Name()` are structs with nothing in them.
+        Kind::Tuple { items, .. } if items.is_empty() => &no_fields,
+        _ => return Err(missing(node, path, step)),
     };
     let is_name = step.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     match fields.last() {
@@ -112,6 +127,11 @@ fn added(
         Some(last) if is_name && !step.is_empty() => {
             let at = last.value.span.end;
             Ok(spliced(source, at..at, &format!(", {step}: {value}")))
+        }
+        // Straight before the bracket that closes it.
+        None if is_name && !step.is_empty() => {
+            let at = node.span.end - 1;
+            Ok(spliced(source, at..at, &format!("{step}: {value}")))
         }
         _ => Err(missing(node, path, step)),
     }
@@ -159,6 +179,26 @@ mod tests {
     fn an_absent_field_is_added_behind_the_last() {
         let edited = set(SCRIPT, "levels.trunk.gnarl", "0.1").unwrap();
         assert_eq!(edited, SCRIPT.replace("2.0,", "2.0, gnarl: 0.1,"));
+    }
+
+    #[test]
+    fn fields_of_the_lod_chain_are_set_wherever_they_stand() {
+        let set = |lod: &str| {
+            let script = SCRIPT.replace("  ],\n)", &format!("  ]{lod},\n)"));
+            let edited = set(&script, "lod.selector", "Levels").unwrap();
+            edited.split_once("\n  ]").map(|(_, rest)| rest.to_owned())
+        };
+        let only = Some(", lod: (selector: Levels),\n)".to_owned());
+        assert_eq!(set(""), only);
+        assert_eq!(set(", lod: ()"), only);
+        assert_eq!(set(", lod: (selector: Cut)"), only);
+        let beside = ", lod: (calibrate: false, selector: Levels),\n)";
+        assert_eq!(set(", lod: (calibrate: false)"), Some(beside.to_owned()));
+        let forms = super::set(SCRIPT, "lod.forms", "[(\"trunk\", Planes(8))]").unwrap();
+        assert!(
+            forms.contains("lod: (forms: [(\"trunk\", Planes(8))])"),
+            "{forms}"
+        );
     }
 
     #[test]

@@ -411,6 +411,35 @@ pub struct Lod {
     pub priorities: Vec<Simplification>,
     /// Spline tolerances, as parts of the branch's length, rising; one a geometry LOD.
     pub tolerances: Vec<f32>,
+    /// How LODs are chosen under their budgets.
+    pub selector: LodSelector,
+    /// True to scale each LOD's quads so that it covers as much as full detail.
+    pub calibrate: bool,
+    /// By name of a branch level, the one closed form that its nodes may take; any fits the others.
+    pub forms: Vec<(String, ClosedForm)>,
+}
+
+/// How LODs are chosen under their budgets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LodSelector {
+    /// Node by node, unless level-wide steps look better.
+    #[default]
+    Cut,
+    /// Level by level, as in the paper.
+    Levels,
+}
+
+/// The flat stand-in for a node with all that grows on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClosedForm {
+    /// Two upright crossed quads.
+    Cross,
+    /// Two upright crossed quads and a level one.
+    CrossTop,
+    /// Three upright quads, 60 degrees apart, and a level one.
+    StarTop,
+    /// This many planes, 1..=64, fitted to the node.
+    Planes(u32),
 }
 
 /// The three kinds of simplification of the paper (its section IV.E).
@@ -434,6 +463,9 @@ impl Default for Lod {
                 Simplification::Levels,
             ],
             tolerances: vec![0.004, 0.01, 0.025, 0.06, 0.15],
+            selector: LodSelector::Cut,
+            calibrate: true,
+            forms: Vec::new(),
         }
     }
 }

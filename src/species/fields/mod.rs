@@ -14,7 +14,7 @@ pub use levels::{
 pub use looks::{
     ALTERNATE, ARRANGEMENTS, BARK, BARK_IMAGE, BARKS, BLADE, DRAWN_LEAF, LEAF, OPPOSITE,
 };
-pub use species::{KNOTS, LOD, SIMPLIFICATIONS, SPECIES, SPLINE, STEMS};
+pub use species::{CLOSED_FORMS, KNOTS, LOD, SELECTORS, SIMPLIFICATIONS, SPECIES, SPLINE, STEMS};
 
 /// Fields of one kind of struct.
 #[derive(Debug)]
@@ -137,6 +137,8 @@ pub const POSITION: Limits = PART;
 pub const TOLERANCE: Limits = limits(0.000_01, 1.0, "of the branch's length");
 /// Triangles of a budget: the smallest form, one cross-quad, has four.
 pub const BUDGET: (u64, u64) = (4, 1_000_000_000);
+/// Fitted planes of a closed form.
+pub const PLANES: (u64, u64) = (1, 64);
 
 /// Most levels of a species.
 pub const MAX_LEVELS: usize = 16;

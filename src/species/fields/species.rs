@@ -123,6 +123,12 @@ pub static SPLINE: Table = Table {
 /// Names of the simplifications.
 pub const SIMPLIFICATIONS: &[&str] = &["Splines", "Branches", "Levels"];
 
+/// Names of the selectors.
+pub const SELECTORS: &[&str] = &["Cut", "Levels"];
+
+/// Names of the closed forms of a level's nodes.
+pub const CLOSED_FORMS: &[&str] = &["Cross", "CrossTop", "StarTop", "Planes"];
+
 /// How the LOD chain is made.
 pub static LOD: Table = Table {
     name: "Lod",
@@ -145,6 +151,26 @@ pub static LOD: Table = Table {
             Other("list of numbers"),
             Means("[0.004, 0.01, 0.025, 0.06, 0.15]"),
             "Spline tolerances, as parts of the branch's length, rising.",
+        ),
+        field(
+            "selector",
+            OneOf(SELECTORS),
+            Means("Cut"),
+            "Cut chooses node by node which are closed to flat forms; Levels goes level by level.",
+        ),
+        field(
+            "calibrate",
+            Other("true or false"),
+            Means("true"),
+            "Whether each LOD's quads are scaled until it covers as much as full detail.",
+        ),
+        field(
+            "forms",
+            Other("list of (level, Cross, CrossTop, StarTop or Planes(1 to 64))"),
+            Means("[]"),
+            "By branch level, the one closed form that its nodes may take: Cross is two crossed \
+             quads, CrossTop adds a level one, StarTop is three upright quads and a level one, \
+             Planes(n) is n fitted planes. Levels not named may take any.",
         ),
     ]],
 };

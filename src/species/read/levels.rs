@@ -17,10 +17,33 @@ pub(super) struct Known<'a, 'n> {
 /// Corners of a cross-section by depth, the trunk first.
 const SIDES: [u32; 4] = [16, 10, 6, 4];
 
+/// All levels that could be read, and what is known of the others.
+pub(super) struct Levels<'n> {
+    pub(super) levels: Vec<Level>,
+    pub(super) names: Names<'n>,
+    /// Names of all items of the list, readable or not; none if there is no list.
+    written: Vec<Option<&'n str>>,
+}
+
+impl Levels<'_> {
+    fn unknown() -> Self {
+        Self {
+            levels: Vec::new(),
+            names: Names::new("level"),
+            written: Vec::new(),
+        }
+    }
+
+    /// True if a level has this name, or if there is no telling.
+    pub(super) fn may_have(&self, name: &str) -> bool {
+        self.written.is_empty() || self.written.contains(&Some(name))
+    }
+}
+
 /// All levels.
-pub(super) fn levels(out: &mut Report, root: &Fields<'_>, known: &Known<'_, '_>) -> Vec<Level> {
+pub(super) fn levels<'n>(out: &mut Report, root: &Fields<'n>, known: &Known<'_, 'n>) -> Levels<'n> {
     let Some(list) = root.require(out, "levels") else {
-        return Vec::new();
+        return Levels::unknown();
     };
     let items = list.items(out, "a list of levels");
     if items.is_empty() && matches!(list.node.kind, Kind::List(_)) {
@@ -32,7 +55,7 @@ pub(super) fn levels(out: &mut Report, root: &Fields<'_>, known: &Known<'_, '_>)
         out.push(list.fault(format!(
             "a species has at most {MAX_LEVELS} levels, found {found}"
         )));
-        return Vec::new();
+        return Levels::unknown();
     }
     let all_names: Vec<Option<&str>> = items.iter().map(name_of).collect();
     let mut reading = Reading {
@@ -46,7 +69,11 @@ pub(super) fn levels(out: &mut Report, root: &Fields<'_>, known: &Known<'_, '_>)
     for item in items {
         reading.level(out, item);
     }
-    reading.levels
+    Levels {
+        levels: reading.levels,
+        names: reading.names,
+        written: reading.all_names,
+    }
 }
 
 /// The name that a level will have, for telling "later" from "nowhere".

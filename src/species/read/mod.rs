@@ -2,16 +2,15 @@
 
 mod leaves;
 mod levels;
+mod lod;
 mod shape;
 mod splines;
 
 use super::decode::{Fields, Report, Value};
 use super::fault::{Fault, Faults, Source};
-use super::fields::{
-    self, BUDGET, MAX_BUDGETS, MAX_NAME, MAX_NAMED, MAX_TOLERANCES, SIMPLIFICATIONS, TOLERANCE,
-};
+use super::fields::{self, MAX_NAME, MAX_NAMED};
 use super::files::Files;
-use super::schema::{FORMAT, Lod, Simplification, Species, Stems};
+use super::schema::{FORMAT, Species, Stems};
 use super::syntax::{self, Kind, Node};
 
 /// Largest script, bytes.
@@ -116,14 +115,16 @@ fn species(reader: &mut Reader<'_>, node: &Node) -> Option<Species> {
     };
     let out = &mut reader.out;
     let levels = levels::levels(out, &root, &known);
-    let lod = root.read(out, "lod", |out, value, _| Some(lod(out, value)));
+    let lod = root.read(out, "lod", |out, value, _| {
+        Some(lod::lod(out, value, &levels))
+    });
     Some(Species {
         name,
         latin,
         slug,
         seed,
         stems,
-        levels,
+        levels: levels.levels,
         splines,
         leaves,
         bark,
@@ -196,95 +197,6 @@ fn stems(out: &mut Report, value: Value<'_>) -> Stems {
         lean: fields.param(out, "lean"),
         scale: fields.param(out, "scale"),
     }
-}
-
-fn lod(out: &mut Report, value: &Value<'_>) -> Lod {
-    let fields = Fields::open_plain(out, value.clone(), &fields::LOD);
-    let budgets = fields.read(out, "budgets", |out, value, _| Some(budgets(out, value)));
-    let priorities = fields.read(out, "priorities", |out, value, _| {
-        Some(priorities(out, value))
-    });
-    let tolerances = fields.read(out, "tolerances", |out, value, _| {
-        Some(tolerances(out, value))
-    });
-    Lod {
-        budgets: budgets.unwrap_or_default(),
-        priorities: priorities.unwrap_or_default(),
-        tolerances: tolerances.unwrap_or_default(),
-    }
-}
-
-/// Items of a list that must have 1 to `most` of them.
-fn some_items<'n>(out: &mut Report, value: &Value<'n>, what: &str, most: usize) -> Vec<Value<'n>> {
-    let items = value.items(out, &format!("a list of {what}"));
-    if matches!(value.node.kind, Kind::List(_)) && !(1..=most).contains(&items.len()) {
-        let found = items.len();
-        out.push(value.fault(format!("expected 1 to {most} {what}, found {found}")));
-        return Vec::new();
-    }
-    items
-}
-
-fn budgets(out: &mut Report, value: &Value<'_>) -> Vec<u64> {
-    let mut budgets: Vec<u64> = Vec::new();
-    for item in some_items(out, value, "budgets", MAX_BUDGETS) {
-        if let Kind::Number(text) = &item.node.kind
-            && text.parse::<i64>().is_ok_and(|budget| budget < 4)
-        {
-            let message = format!(
-                "a budget of {text} triangles cannot be met: the smallest form, one cross-quad, \
-                 has {} triangles",
-                BUDGET.0
-            );
-            out.push(item.fault(message));
-            continue;
-        }
-        let Some(budget) = item.whole(out, BUDGET.0, BUDGET.1) else {
-            continue;
-        };
-        if let Some(&last) = budgets.last()
-            && budget >= last
-        {
-            let message = format!("budgets must fall: {budget} comes after {last}");
-            out.push(item.fault(message));
-        }
-        budgets.push(budget);
-    }
-    budgets
-}
-
-fn priorities(out: &mut Report, value: &Value<'_>) -> Vec<Simplification> {
-    let mut priorities = Vec::new();
-    for item in some_items(out, value, "simplifications", SIMPLIFICATIONS.len()) {
-        let simplification = match item.one_of(out, SIMPLIFICATIONS) {
-            Some("Splines") => Simplification::Splines,
-            Some("Branches") => Simplification::Branches,
-            Some(_) => Simplification::Levels,
-            None => continue,
-        };
-        if priorities.contains(&simplification) {
-            out.push(item.fault(format!("`{simplification:?}` is listed twice")));
-        }
-        priorities.push(simplification);
-    }
-    priorities
-}
-
-fn tolerances(out: &mut Report, value: &Value<'_>) -> Vec<f32> {
-    let mut tolerances: Vec<f32> = Vec::new();
-    for item in some_items(out, value, "tolerances", MAX_TOLERANCES) {
-        let Some(tolerance) = item.number(out, TOLERANCE) else {
-            continue;
-        };
-        if let Some(&last) = tolerances.last()
-            && tolerance <= last
-        {
-            let message = format!("tolerances must rise: {tolerance} comes after {last}");
-            out.push(item.fault(message));
-        }
-        tolerances.push(tolerance);
-    }
-    tolerances
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 use super::*;
 use crate::math::linear_from_srgb;
 use crate::species::files::NoFiles;
-use crate::species::schema::{Curve, Knots, LevelKind, Param, Size};
+use crate::species::schema::{Curve, Knots, LevelKind, Lod, Param, Size};
 
 fn read(source: &str) -> Species {
     parse("test.ron", source, &NoFiles).unwrap_or_else(|faults| panic!("{faults}"))
