@@ -254,6 +254,10 @@ pub fn float(count: u32) -> f32 {
 ///
 /// The matrix may be indefinite; only its upper triangle is read.
 #[must_use]
+#[expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of one matrix, by index as in the books"
+)]
 pub fn symmetric_eigenvectors(matrix: Mat3) -> ([f32; 3], [Vec3; 3]) {
     let column = |i: usize| matrix.col(i).to_array().map(f64::from);
     let mut a = [column(0), column(1), column(2)];

@@ -703,13 +703,15 @@ mod tests {
                 let (x, y) = (f32::from(i % 10), f32::from(i / 10) * 3.0);
                 card(
                     Vec3::new(x, y, 0.5 * x),
-                    Vec3::new(-0.5, 0.0, 1.0).normalize(),
+                    Vec3::new(-0.5, 0.0, 1.0).normalize_or(Vec3::Z),
                     0.3,
                 )
             })
             .collect();
         let plane = &fitted(&items, 1)[0];
-        let facing = plane.normal().dot(Vec3::new(-0.5, 0.0, 1.0).normalize());
+        let facing = plane
+            .normal()
+            .dot(Vec3::new(-0.5, 0.0, 1.0).normalize_or(Vec3::Z));
         assert!(facing.abs() > 0.9999, "{facing}");
     }
 

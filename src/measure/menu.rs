@@ -17,7 +17,7 @@ use crate::lod::cut::{Menu, Offer};
 use crate::lod::{Form, State};
 use crate::math::{PI, Quat, Vec3};
 use crate::mesh::{Mesh, TooLarge, tube};
-use crate::species::schema::{Lod, Simplification};
+use crate::species::schema::{ClosedForm, Lod, Simplification};
 use crate::tree::{Branch, Kind, Part, Tree};
 use rayon::prelude::*;
 
@@ -81,6 +81,10 @@ impl Forms {
         sum
     }
 }
+
+/// Names of sets that show everything on each plane.
+const CROSS_TOP: &str = "cross+top";
+const STAR_TOP: &str = "star+top";
 
 /// Sub-trees of more cards are measured by themselves, not with their siblings.
 const CONTEXT_CARDS: u64 = 4000;
@@ -183,17 +187,6 @@ fn rows<T: Clone>(tree: &Tree, value: T) -> Vec<Vec<T>> {
         .collect()
 }
 
-impl Found {
-    /// Scale of the crossed quads.
-    fn scale(&self) -> f32 {
-        let cross = self.forms.iter().find_map(|(look, _)| match look {
-            Look::Cross(scale) => Some(*scale),
-            _ => None,
-        });
-        cross.unwrap_or(1.0)
-    }
-}
-
 /// What was found for one prototype.
 #[derive(Default)]
 struct Found {
@@ -201,6 +194,7 @@ struct Found {
     turn: f32,
     /// Trial captures of its crossed quads, and the scale of the error that they were found to have.
     cross: Option<(Vec<TrialQuad>, f32)>,
+    cross_scale: f32,
     /// By form: mean distance of what it shows from where it shows it, metres; missing ones are 0.
     shifts: Vec<f32>,
 }
@@ -228,7 +222,11 @@ fn seen_parts(gauge: &Gauge<'_>, found: &[Vec<Found>]) -> Result<Seen, TooLarge>
     for (level, found) in found.iter().enumerate().skip(1) {
         let crosses: Vec<Option<(&[TrialQuad], f32)>> = found
             .iter()
-            .map(|f| f.cross.as_ref().map(|(quads, _)| (&quads[..], f.scale())))
+            .map(|f| {
+                f.cross
+                    .as_ref()
+                    .map(|(quads, _)| (&quads[..], f.cross_scale))
+            })
             .collect();
         let expected: f32 = found
             .iter()
@@ -294,7 +292,9 @@ impl Gauge<'_> {
             Part::Branch(branch) => self.own_part_forms(seat, branch, lod, &mut found)?,
         }
         if self.tree.has_children(level) {
-            self.closed_forms(seat, &mut found)?;
+            let name = &self.tree.levels[level].name;
+            let forced = lod.forms.iter().find(|(level, _)| level == name);
+            self.closed_forms(seat, forced.map(|(_, form)| *form), &mut found)?;
         }
         Ok(found)
     }
@@ -353,8 +353,30 @@ impl Gauge<'_> {
         Ok(())
     }
 
+    /// Numbers of clumps to try for a sub-tree of so many leaf cards.
+    fn clump_counts(&self, level: usize, leaves: u64) -> Vec<usize> {
+        let mut counts = CLUMPS.to_vec();
+        if level == 0 {
+            // As many as a budget allows, where no sub-trees fill it.
+            let of_budgets = self.budgets.iter().map(|b| b / 6);
+            let fitting = of_budgets.filter(|c| (12..=MOST_CLUMPS).contains(c));
+            counts.extend(fitting.filter_map(|c| usize::try_from(c).ok()));
+            counts.sort_unstable();
+            counts.dedup();
+        }
+        counts.retain(|&count| CLUMP_CARDS * count as u64 <= leaves);
+        counts
+    }
+
     /// The whole node: crossed quads in their best turn, with a level plane, fitted planes.
-    fn closed_forms(&self, seat: (usize, usize), found: &mut Found) -> Result<(), TooLarge> {
+    ///
+    /// With a `forced` form, that one alone.
+    fn closed_forms(
+        &self,
+        seat: (usize, usize),
+        forced: Option<ClosedForm>,
+        found: &mut Found,
+    ) -> Result<(), TooLarge> {
         let (level, prototype) = seat;
         let own = self.subtree(level, prototype)?;
         let context = self.whole_node(seat, CONTEXT_CARDS)?;
@@ -397,42 +419,47 @@ impl Gauge<'_> {
         }
         let turn = found.turn;
         found.cross = Some((trial(&best.0.planes), best.1));
-        found
-            .forms
-            .push((Look::Cross(best.0.scale), closed(4, best.1)));
-        let mut sets = vec![attempt(star(2, turn, true), "cross+top".to_owned())];
-        if level == 0 {
-            sets.push(attempt(star(3, turn, true), "star+top".to_owned()));
+        found.cross_scale = best.0.scale;
+        let others_only = !matches!(forced, None | Some(ClosedForm::Cross));
+        if !others_only {
+            found
+                .forms
+                .push((Look::Cross(best.0.scale), closed(4, best.1)));
         }
-        let leaves = cards(self.tree, level, prototype);
-        let mut counts = CLUMPS.to_vec();
-        if level == 0 {
-            // As many as a budget allows, where no sub-trees fill it.
-            let of_budgets = self.budgets.iter().map(|b| b / 6);
-            let fitting = of_budgets.filter(|c| (12..=MOST_CLUMPS).contains(c));
-            counts.extend(fitting.filter_map(|c| usize::try_from(c).ok()));
-            counts.sort_unstable();
-            counts.dedup();
-        }
-        for count in counts {
-            if CLUMP_CARDS * count as u64 > leaves {
-                break;
+        let sets: Vec<(Set, f32)> = match forced {
+            Some(ClosedForm::Cross) => Vec::new(),
+            Some(ClosedForm::CrossTop) => vec![attempt(star(2, turn, true), CROSS_TOP.to_owned())],
+            Some(ClosedForm::StarTop) => vec![attempt(star(3, turn, true), STAR_TOP.to_owned())],
+            Some(ClosedForm::Planes(count)) => {
+                let set = planes::fitted(&items, count as usize);
+                vec![attempt(set, format!("planes {count}"))]
             }
-            let set = planes::clumps(&items, count, turn, true);
-            sets.push(attempt(set, format!("clumps {count}")));
-        }
-        if leaves <= FITTED_CARDS {
-            for count in FITTED {
+            None => {
+                let leaves = cards(self.tree, level, prototype);
+                let mut sets = vec![attempt(star(2, turn, true), CROSS_TOP.to_owned())];
+                if level == 0 {
+                    sets.push(attempt(star(3, turn, true), STAR_TOP.to_owned()));
+                }
+                for count in self.clump_counts(level, leaves) {
+                    let set = planes::clumps(&items, count, turn, true);
+                    sets.push(attempt(set, format!("clumps {count}")));
+                }
                 // More planes than leaves are the leaves themselves.
-                if 2 * count as u64 <= leaves {
+                let useful =
+                    |count: &&usize| leaves <= FITTED_CARDS && 2 * **count as u64 <= leaves;
+                for &count in FITTED.iter().filter(useful) {
                     let set = planes::fitted(&items, count);
                     sets.push(attempt(set, format!("planes {count}")));
                 }
+                sets
             }
-        }
+        };
         let shift = |planes: &[Plane]| planes::mean_shift(&items, planes);
-        found.shifts = vec![0.0; found.forms.len() - 1];
-        found.shifts.push(shift(&best.0.planes));
+        let open = found.forms.iter().filter(|(_, o)| o.open).count();
+        found.shifts = vec![0.0; open];
+        if !others_only {
+            found.shifts.push(shift(&best.0.planes));
+        }
         for (set, error) in sets {
             let triangles = 2 * set.planes.len() as u64;
             found.shifts.push(shift(&set.planes));
@@ -524,30 +551,4 @@ fn closed(triangles: u64, error: f32) -> Offer {
 #[must_use]
 pub fn is_chosen(tree: &Tree, level: usize) -> bool {
     tree.levels[level].kind != Kind::Leaf
-}
-
-impl Forms {
-    /// For debugging.
-    pub fn dump(&self, tree: &Tree) {
-        let s = squared_scales(tree);
-        let n = tree.nodes();
-        for (l, lv) in tree.levels.iter().enumerate() {
-            for p in 0..lv.prototypes.len() {
-                for (look, o) in self.looks[l][p].iter().zip(&self.menu.offers[l][p]) {
-                    let name = match look {
-                        Look::Planes(x) => format!("{} s{:.2}", x.name, x.scale),
-                        o => format!("{o:?}"),
-                    };
-                    eprintln!(
-                        "{} {p} n{} {name} open {} T {} sum {:.3}",
-                        lv.name,
-                        n[l][p],
-                        o.open,
-                        o.triangles,
-                        o.error * s[l][p]
-                    );
-                }
-            }
-        }
-    }
 }

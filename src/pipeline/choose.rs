@@ -291,15 +291,6 @@ impl Fitting<'_> {
         let mut sizes = ScreenSizes::new(height);
         for draft in drafts {
             let before = lods.last().map_or(u64::MAX, |l| l.triangles.total());
-            if std::env::var_os("DUMP").is_some() {
-                for c in &draft.candidates {
-                    eprintln!(
-                        "  cand {} before {before} {}",
-                        c.triangles(),
-                        self.describe(c)
-                    );
-                }
-            }
             let mut best: Option<(f32, Verdict, Mesh, &Candidate)> = None;
             let spare: Vec<Candidate>;
             let mut candidates = &draft.candidates[..];
@@ -329,15 +320,6 @@ impl Fitting<'_> {
                 };
                 let mesh = self.mesh(candidate, scale)?;
                 let verdict = yardstick.judge(&mesh, cutouts);
-                if std::env::var_os("DUMP").is_some() {
-                    eprintln!(
-                        "{:?} s{scale:.3} iou {:.3} cov {:.3} {}",
-                        draft.budget,
-                        verdict.iou,
-                        verdict.coverage,
-                        self.describe(candidate)
-                    );
-                }
                 if best.as_ref().is_none_or(|b| verdict.iou > b.1.iou) {
                     best = Some((scale, verdict, mesh, candidate));
                 }

@@ -140,23 +140,11 @@ pub fn generate(
     let bark = bark(species, seed, settings.bark_size, files)?;
     let mut plan = Plan::of(&tree);
     let height = species.bark.height_m();
-    let t0 = std::time::Instant::now();
     let forms = forms(species, settings, &tree, &artwork)?;
-    if std::env::var_os("DUMP").is_some() {
-        eprintln!("forms {:?}", t0.elapsed());
-    }
     let budgets = settings.budgets.as_deref().unwrap_or(&species.lod.budgets);
     let budgets = (budgets, settings.full);
-    if std::env::var_os("DUMP").is_some() {
-        if let Some(f) = &forms {
-            f.dump(&tree);
-        }
-    }
     let drafts = choose::draft(&tree, &species.lod, forms.as_ref(), budgets);
     let used = choose::extend(&mut plan, &tree, forms.as_ref(), &drafts);
-    if std::env::var_os("DUMP").is_some() {
-        eprintln!("draft {:?}", t0.elapsed());
-    }
     let baked = capture::bake(
         &tree,
         &plan,
@@ -165,9 +153,6 @@ pub fn generate(
         &settings.captures,
         progress,
     )?;
-    if std::env::var_os("DUMP").is_some() {
-        eprintln!("bake {:?}", t0.elapsed());
-    }
     let fitting = Fitting {
         tree: &tree,
         forms: forms.as_ref(),
@@ -178,9 +163,6 @@ pub fn generate(
         selection: settings.asked(species).selector.into(),
     };
     let lods = lods(species, &fitting, &drafts.drafts, &baked)?;
-    if std::env::var_os("DUMP").is_some() {
-        eprintln!("lods {:?}", t0.elapsed());
-    }
     if lods.is_empty() {
         return Err(GenerateError::NoLod {
             budgets: budgets.0.to_vec(),
