@@ -468,6 +468,9 @@ fn nearest(middles: &[Vec3], point: Vec3) -> usize {
     largest(middles.iter().map(|m| -m.distance_squared(point)))
 }
 
+/// How much more than leaves branches draw a clump's planes toward themselves.
+const STEM_WEIGHT: f32 = 10.0;
+
 /// The plane through the middle of some items that shows them all.
 fn framed(items: &[Item], members: &[u32], right: Vec3, up: Vec3) -> Plane {
     let normal = right.cross(up);
@@ -480,8 +483,10 @@ fn framed(items: &[Item], members: &[u32], right: Vec3, up: Vec3) -> Plane {
             low = low.min(at);
             high = high.max(at);
         }
-        depth += item.middle().dot(normal) * item.area;
-        area += item.area;
+        // A stem beside its place is seen twice; leaves are not so easily found out.
+        let weight = item.area * if item.foliage { 1.0 } else { STEM_WEIGHT };
+        depth += item.middle().dot(normal) * weight;
+        area += weight;
     }
     let middle = (low + high) * 0.5;
     Plane {

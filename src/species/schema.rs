@@ -456,7 +456,7 @@ pub enum Simplification {
 impl Default for Lod {
     fn default() -> Self {
         Self {
-            budgets: vec![10_000, 2_000, 400, 4],
+            budgets: vec![10_000, 2_000, 400, 8],
             priorities: vec![
                 Simplification::Splines,
                 Simplification::Branches,

@@ -137,7 +137,7 @@ pub static LOD: Table = Table {
         field(
             "budgets",
             Other("list of whole numbers"),
-            Means("[10000, 2000, 400, 4]"),
+            Means("[10000, 2000, 400, 8]"),
             "Triangle budgets, falling.",
         ),
         field(
