@@ -7,6 +7,7 @@
 mod compare;
 mod entrants;
 mod gate;
+mod light;
 mod picture;
 mod plates;
 mod report;

@@ -1,33 +1,18 @@
 //! Pictures of a mesh under the evaluation's one light: what an eye, and FLIP, compare.
 //!
-//! A sun and a sky as in [`crate::preview`], shade from the full tree's density for every model alike, a
-//! plain mid-grey behind. A model that lost its leaves is not lit more brightly for it.
+//! A plain mid-grey behind, and no ground: nothing that would hide an edge or be compared beside the tree.
 
+use super::light::Light;
 use crate::asset::Surface;
-use crate::capture::{ALPHA_CUTOFF, Occlusion, Seen, Textures, View, Visibility};
+use crate::capture::{ALPHA_CUTOFF, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
 use crate::math::{Vec2, Vec3, float, srgb_from_linear};
 use crate::measure::silhouette::Silhouette;
-use crate::mesh::Mesh;
-use crate::mesh::card::Relief;
-
-/// Linear light of the sun.
-const SUN: Vec3 = Vec3::new(3.1, 2.9, 2.55);
-
-/// Linear light from above.
-const SKY: Vec3 = Vec3::new(0.62, 0.74, 0.95);
-
-/// Linear light from below.
-const GROUND: Vec3 = Vec3::new(0.26, 0.24, 0.19);
-
-/// Toward the sun: from the front right as the first views see it, from behind for others.
-const TOWARD_SUN: Vec3 = Vec3::new(0.75, 1.0, 0.45);
+use crate::mesh::card::{Relief, UvRect};
+use crate::mesh::{Mesh, Primitive};
 
 /// Mid-grey, linear, as it is seen: neither a light nor a dark crown vanishes before it.
 pub(super) const BACKGROUND: f32 = 0.184;
-
-/// Cells of the grid that shades the crown, along its longest edge.
-const SHADE_CELLS: u32 = 40;
 
 /// Mips of the foliage atlas: its gutters stand four halvings.
 const FOLIAGE_MIPS: usize = 5;
@@ -54,48 +39,32 @@ impl Skin {
         }
     }
 
-    fn textures(&self) -> Textures<'_> {
-        Textures {
-            bark: &self.bark,
-            foliage: &self.foliage,
-            reliefs: &self.reliefs,
-        }
-    }
-}
-
-/// What falls on every model.
-pub(super) struct Light {
-    shade: Occlusion,
-    sun: Vec3,
-}
-
-impl Light {
-    /// Shade as the full tree casts it on itself.
-    pub(super) fn of(full: &Mesh) -> Self {
-        let mut shade = Occlusion::of(full);
-        shade.refine(full, SHADE_CELLS);
-        Self {
-            shade,
-            sun: TOWARD_SUN.normalize_or(Vec3::Y),
-        }
-    }
-
-    fn on(&self, seen: &Seen, point: Vec3, view: &View) -> Vec3 {
-        let texel = &seen.texel;
-        let [x, y, z] = texel.normal;
-        let normal = view.right * x + view.up * y + view.toward() * z;
-        let facing = normal.dot(self.sun);
-        // A capture knows how much sky its parts see; single leaves and branches do not.
-        let open = if seen.captured {
-            1.0
-        } else {
-            self.shade.open(point)
+    /// The captures that a mesh shows: fewer to look through for each sample than all of the atlas.
+    fn reliefs_of(&self, mesh: &Mesh) -> Vec<Relief> {
+        let shown = |relief: &&Relief| {
+            let UvRect { u0, v0, u1, v1 } = relief.uv;
+            let vertices = mesh.foliage.vertices.iter();
+            let mut places = vertices.map(|v| v.uv);
+            places.any(|[u, v]| (u0..=u1).contains(&u) && (v0..=v1).contains(&v))
         };
-        let sun = self.shade.transmittance(point, self.sun);
-        let lit = facing.max(0.0) + texel.translucency * (-facing).max(0.0);
-        let sky = normal.y * 0.5 + 0.5;
-        let ambient = (SKY * sky + GROUND * (1.0 - sky)) * (texel.occlusion * open);
-        Vec3::from(texel.albedo) * (SUN * (sun * lit) + ambient)
+        self.reliefs.iter().filter(shown).copied().collect()
+    }
+}
+
+/// What is drawn.
+pub(super) struct Sitter<'a> {
+    pub(super) mesh: &'a Mesh,
+    skin: &'a Skin,
+    reliefs: Vec<Relief>,
+}
+
+impl<'a> Sitter<'a> {
+    pub(super) fn new(mesh: &'a Mesh, skin: &'a Skin) -> Self {
+        Self {
+            mesh,
+            skin,
+            reliefs: skin.reliefs_of(mesh),
+        }
     }
 }
 
@@ -113,14 +82,19 @@ pub(super) struct Picture {
 
 impl Picture {
     /// Draws a mesh with `n` by `n` samples in each pixel of `view`.
-    pub(super) fn draw(mesh: &Mesh, skin: &Skin, light: &Light, view: &View, n: u32) -> Self {
+    pub(super) fn draw(sitter: &Sitter<'_>, light: &Light, view: &View, n: u32) -> Self {
+        let mesh = near_first(sitter.mesh, view);
         let samples = View {
             width: view.width * n,
             height: view.height * n,
             ..*view
         };
-        let textures = skin.textures();
-        let seen = Visibility::draw(mesh, textures, &samples);
+        let textures = Textures {
+            bark: &sitter.skin.bark,
+            foliage: &sitter.skin.foliage,
+            reliefs: &sitter.reliefs,
+        };
+        let seen = Visibility::draw(&mesh, textures, &samples);
         let count = view.width as usize * view.height as usize;
         let mut picture = Self {
             colour: Image::filled(view.width, view.height, [srgb_from_linear(BACKGROUND); 3]),
@@ -129,39 +103,109 @@ impl Picture {
             normals: vec![Vec3::ZERO; count],
         };
         for (y, x) in (0..view.height).flat_map(|y| (0..view.width).map(move |x| (y, x))) {
-            let mut pixel = Pixel::default();
-            for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (x * n + i, y * n + j))) {
-                if let Some(seen) = seen.surface(i, j, mesh, textures, &samples) {
-                    let at = Vec2::new(float(i) + 0.5, float(j) + 0.5);
-                    let point = samples.unproject(at, seen.texel.depth);
-                    pixel.covered += 1;
-                    pixel.normal += Vec3::from(seen.texel.normal);
-                    pixel.light += tone_mapped(light.on(&seen, point, &samples));
-                }
-            }
-            if pixel.covered > 0 {
-                picture.set(y as usize * view.width as usize + x as usize, &pixel, n * n);
+            let corner = (x * n, y * n);
+            let sample = |i: u32, j: u32| {
+                let found = seen.surface(i, j, &mesh, textures, &samples)?;
+                let at = Vec2::new(float(i) + 0.5, float(j) + 0.5);
+                let point = samples.unproject(at, found.texel.depth);
+                let light = tone_mapped(light.on(&found, point, &samples));
+                Some((light, Vec3::from(found.texel.normal)))
+            };
+            let pixel = Pixel::of(n, corner, |i, j| seen.depth(i, j).is_some(), sample);
+            if let Some(pixel) = pixel {
+                picture.set(y as usize * view.width as usize + x as usize, &pixel);
             }
         }
         picture
     }
 
-    fn set(&mut self, at: usize, pixel: &Pixel, samples: u32) {
-        let empty = float(samples - pixel.covered) * BACKGROUND;
-        let light = (pixel.light + empty) / float(samples);
+    fn set(&mut self, at: usize, pixel: &Pixel) {
+        let light = pixel
+            .light
+            .lerp(Vec3::splat(BACKGROUND), 1.0 - pixel.covered);
         self.colour.texels_mut()[at] = light.to_array().map(srgb_from_linear);
-        self.silhouette.covered[at] = 2 * pixel.covered >= samples;
+        self.silhouette.covered[at] = pixel.covered >= 0.5;
         self.touched[at] = true;
-        self.normals[at] = pixel.normal.normalize_or(Vec3::Z);
+        self.normals[at] = pixel.normal;
     }
 }
 
-/// Sums over the samples of one pixel.
-#[derive(Default)]
+/// What is seen in one pixel.
 struct Pixel {
-    covered: u32,
+    /// Part of the samples that are covered, above 0.
+    covered: f32,
+    /// Mean over what is covered.
     light: Vec3,
+    /// Unit, in view axes.
     normal: Vec3,
+}
+
+impl Pixel {
+    /// A pixel of `n` by `n` samples from `corner` on; none if nothing covers it.
+    ///
+    /// Every sample counts for the coverage. Colour is taken from every second one, as on a chessboard, and from
+    /// the others only where those see nothing: the eye's own blur is wider than a pixel.
+    fn of(
+        n: u32,
+        (x, y): (u32, u32),
+        is_covered: impl Fn(u32, u32) -> bool,
+        sample: impl Fn(u32, u32) -> Option<(Vec3, Vec3)>,
+    ) -> Option<Self> {
+        let all = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+        let covered = all().filter(|(i, j)| is_covered(x + i, y + j)).count();
+        if covered == 0 {
+            return None;
+        }
+        let (mut light, mut normal, mut count) = (Vec3::ZERO, Vec3::ZERO, 0);
+        for colour in [0, 1] {
+            for (i, j) in all().filter(|(i, j)| (i + j) % 2 == colour) {
+                if let Some((sample_light, sample_normal)) = sample(x + i, y + j) {
+                    light += sample_light;
+                    normal += sample_normal;
+                    count += 1;
+                }
+            }
+            if count > 0 {
+                break;
+            }
+        }
+        let covered = u32::try_from(covered).unwrap_or(u32::MAX);
+        Some(Self {
+            covered: float(covered) / float(n * n),
+            light: light / float(count),
+            normal: normal.normalize_or(Vec3::Z),
+        })
+    }
+}
+
+/// The same mesh with its leaves and quads in the order of their distance: what is hidden then needs no texture.
+fn near_first(mesh: &Mesh, view: &View) -> Mesh {
+    let toward = view.toward();
+    let depths: Vec<f32> = mesh
+        .foliage
+        .vertices
+        .iter()
+        .map(|v| Vec3::from(v.position).dot(toward))
+        .collect();
+    let depth = |t: &[u32; 3]| {
+        t.iter()
+            .map(|&i| depths[i as usize])
+            .fold(f32::MIN, f32::max)
+    };
+    let corners = mesh.foliage.indices.chunks_exact(3);
+    let mut triangles: Vec<(f32, [u32; 3])> = corners
+        .map(|c| [c[0], c[1], c[2]])
+        .map(|t| (depth(&t), t))
+        .collect();
+    // Stable, so that the order of what is equally near is the mesh's.
+    triangles.sort_by(|a, b| b.0.total_cmp(&a.0));
+    Mesh {
+        bark: mesh.bark.clone(),
+        foliage: Primitive {
+            vertices: mesh.foliage.vertices.clone(),
+            indices: triangles.into_iter().flat_map(|(_, t)| t).collect(),
+        },
+    }
 }
 
 /// A soft shoulder, the same as the preview's.

@@ -5,7 +5,8 @@
 
 use super::compare::{Difference, compare};
 use super::entrants::{self, Entrant};
-use super::picture::{Light, Picture, Skin};
+use super::light::Light;
+use super::picture::{Picture, Sitter, Skin};
 use super::{Evaluation, Model, Plate, Score, Scores, Subject, plates};
 use crate::capture::View;
 use crate::math::{Bounds, Vec3, float, floor_to_u32};
@@ -81,8 +82,11 @@ pub fn evaluate(
         subject,
         settings,
         light: Light::of(subject.full),
-        skin: &skin,
-        full_skin,
+        full: Sitter::new(subject.full, full_skin),
+        sitters: entrants
+            .iter()
+            .map(|e| Sitter::new(&e.mesh, if e.is_lod { &skin } else { full_skin }))
+            .collect(),
         entrants: &entrants,
         stands: stands(subject, settings, &entrants),
     };
@@ -151,8 +155,9 @@ struct Set<'a> {
     subject: &'a Subject<'a>,
     settings: &'a Settings,
     light: Light,
-    skin: &'a Skin,
-    full_skin: &'a Skin,
+    full: Sitter<'a>,
+    /// By model.
+    sitters: Vec<Sitter<'a>>,
     entrants: &'a [Entrant<'a>],
     stands: Vec<Stand>,
 }
@@ -205,7 +210,7 @@ impl Set<'_> {
         let frame = self.view(stand, pixel);
         let pixels = self.settings.heights[height];
         let n = SUPERSAMPLES[usize::from(pixels >= LARGE)];
-        let full = Picture::draw(self.subject.full, self.full_skin, &self.light, &frame, n);
+        let full = Picture::draw(&self.full, &self.light, &frame, n);
         let is_shown = self.settings.plates && self.is_shown(view);
         let mut shown = Vec::new();
         let mut differences = Vec::new();
@@ -214,12 +219,7 @@ impl Set<'_> {
                 differences.push(None);
                 continue;
             }
-            let skin = if entrant.is_lod {
-                self.skin
-            } else {
-                self.full_skin
-            };
-            let picture = Picture::draw(&entrant.mesh, skin, &self.light, &frame, n);
+            let picture = Picture::draw(&self.sitters[index], &self.light, &frame, n);
             differences.push(Some(compare(&full, &picture)));
             if is_shown && entrant.is_lod {
                 shown.push((index, picture));
