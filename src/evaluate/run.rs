@@ -12,6 +12,7 @@ use crate::capture::View;
 use crate::math::{Bounds, Vec3, float, floor_to_u32};
 use crate::measure::silhouette::{fragments, seen_bounds};
 use crate::measure::views::{Direction, held_out_aerial, held_out_side};
+use crate::mesh::Mesh;
 use crate::report::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -53,10 +54,11 @@ const SUPERSAMPLES: [u32; 2] = [4, 2];
 const RIVAL_HEIGHT: u32 = 64;
 
 /// Pixels of background around all models: the rim of the mask, and one that nothing touches.
-const MARGIN: f32 = 4.0;
+const MARGIN: u32 = 4;
 
-/// Half of the longest edge of a picture, pixels; what lies past it is not compared.
-const LARGEST_HALF: u32 = 4096;
+/// Half of the longest edge of a picture, as heights of the tree: the full tree never reaches as far, and the
+/// leaves of a rival that do are cut there.
+const LARGEST_HALF: u32 = 3;
 
 /// Compares the LODs of a tree, and rivals, with the full tree.
 ///
@@ -89,6 +91,7 @@ pub fn evaluate(
             .collect(),
         entrants: &entrants,
         stands: stands(subject, settings, &entrants),
+        tall: tall(subject.full, &entrants),
     };
     let jobs: Vec<(usize, usize)> = (0..set.stands.len())
         .flat_map(|view| (0..settings.heights.len()).map(move |height| (view, height)))
@@ -150,6 +153,17 @@ fn stands(subject: &Subject<'_>, settings: &Settings, entrants: &[Entrant<'_>]) 
         .collect()
 }
 
+/// Height of the full tree, or a quarter of its width, metres; of all models if the full tree is nothing.
+fn tall(full: &Mesh, entrants: &[Entrant<'_>]) -> f32 {
+    let all = || entrants.iter().map(|e| e.mesh.bounds());
+    let bounds = match full.bounds() {
+        empty if empty.is_empty() => all().fold(empty, |all, one| all.union(&one)),
+        bounds => bounds,
+    };
+    let size = bounds.size();
+    size.y.max(size.max_element() * 0.25).max(f32::MIN_POSITIVE)
+}
+
 /// Everything that one shot needs.
 struct Set<'a> {
     subject: &'a Subject<'a>,
@@ -160,6 +174,8 @@ struct Set<'a> {
     sitters: Vec<Sitter<'a>>,
     entrants: &'a [Entrant<'a>],
     stands: Vec<Stand>,
+    /// What counts as the tree's height, metres.
+    tall: f32,
 }
 
 /// All models from one view at one height.
@@ -182,17 +198,17 @@ impl Set<'_> {
 
     /// Metres along the edge of a pixel.
     fn pixel(&self, height: usize) -> f32 {
-        let size = self.subject.full.bounds().size();
-        let tall = size.y.max(size.max_element() * 0.25).max(f32::MIN_POSITIVE);
-        tall / float(self.settings.heights[height].max(1))
+        self.tall / float(self.settings.heights[height].max(1))
     }
 
     /// The grid of pixels is fixed to the full tree, so that no model moves that of another.
-    fn view(&self, stand: &Stand, pixel: f32) -> View {
+    fn view(&self, stand: &Stand, height: usize) -> View {
+        let pixel = self.pixel(height);
         let [right, up, toward] = stand.direction.axes();
         let middle = stand.full.centre();
         let reach = (stand.all.max - middle).max(middle - stand.all.min);
-        let half = |reach: f32| floor_to_u32((reach / pixel).ceil() + MARGIN).min(LARGEST_HALF);
+        let most = LARGEST_HALF.saturating_mul(self.settings.heights[height].max(1));
+        let half = |reach: f32| floor_to_u32((reach.max(0.0) / pixel).ceil()).min(most) + MARGIN;
         let (x, y) = (half(reach.x), half(reach.y));
         View {
             centre: right * middle.x + up * middle.y + toward * middle.z,
@@ -207,7 +223,7 @@ impl Set<'_> {
     fn shot(&self, view: usize, height: usize) -> Shot {
         let stand = &self.stands[view];
         let pixel = self.pixel(height);
-        let frame = self.view(stand, pixel);
+        let frame = self.view(stand, height);
         let pixels = self.settings.heights[height];
         let n = SUPERSAMPLES[usize::from(pixels >= LARGE)];
         let full = Picture::draw(&self.full, &self.light, &frame, n);
