@@ -81,7 +81,6 @@ pub fn evaluate(
     let full_skin = full_skin.as_ref().unwrap_or(&skin);
     let entrants = entrants::all(subject, settings, full_skin, progress)?;
     let set = Set {
-        subject,
         settings,
         light: Light::of(subject.full),
         full: Sitter::new(subject.full, full_skin),
@@ -166,7 +165,6 @@ fn tall(full: &Mesh, entrants: &[Entrant<'_>]) -> f32 {
 
 /// Everything that one shot needs.
 struct Set<'a> {
-    subject: &'a Subject<'a>,
     settings: &'a Settings,
     light: Light,
     full: Sitter<'a>,
