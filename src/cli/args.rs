@@ -23,6 +23,8 @@ pub(crate) enum Command {
     Check(Check),
     /// Tell what a species script or a pack holds.
     Inspect(Inspect),
+    /// Compare every LOD with the full tree, from views that nothing was fitted to.
+    Evaluate(Evaluate),
 }
 
 #[derive(Debug, ClapArgs)]
@@ -159,6 +161,41 @@ pub(crate) struct Inspect {
     #[arg(long, default_value_t = 1024)]
     pub(crate) texture_size: u32,
     /// Print to stdout.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Evaluate {
+    /// Species script or pack folder.
+    #[arg(value_name = "SPECIES|PACK")]
+    pub(crate) path: PathBuf,
+    /// Seed, for a script; its own without.
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Triangle budgets, for a script; `full` first to judge full detail too.
+    #[arg(long, value_delimiter = ',')]
+    pub(crate) budgets: Option<Vec<String>>,
+    /// Edge of the foliage atlas, texels, for a script: a power of two; 1024 without.
+    #[arg(long)]
+    pub(crate) texture_size: Option<u32>,
+    /// Views from the side; half as many are added from above.
+    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) views: u16,
+    /// Threads; all cores without. The figures do not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Compare with mesh simplifiers too; leaves left out by chance always are.
+    #[arg(long)]
+    pub(crate) rivals: bool,
+    /// Write a report with pictures, one HTML file.
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) report: Option<PathBuf>,
+    /// Exit with 1 if a LOD's covered area is off by more than this part (0.05 is 5 %) at the size at which it
+    /// is shown, or if a LOD loses to a rival.
+    #[arg(long, value_name = "PART")]
+    pub(crate) fail_above: Option<f32>,
+    /// Print all figures to stdout.
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -3,6 +3,7 @@
 mod args;
 mod batch;
 mod check;
+mod evaluate;
 mod generate;
 mod inspect;
 mod progress;
@@ -95,6 +96,7 @@ pub fn main() -> ExitCode {
     let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
     let result = match &args.command {
         args::Command::Generate(args) => generate::run(args),
+        args::Command::Evaluate(args) => evaluate::run(args),
         args::Command::Batch(args) => batch::run(args),
         args::Command::Check(args) => check::run(args),
         args::Command::Inspect(args) => inspect::run(args),

@@ -4,14 +4,25 @@
 //! same rasteriser and the same light for all, from views that no capture, calibration or selection has
 //! seen ([`crate::measure::views`]).
 
+mod compare;
+mod entrants;
+mod gate;
+mod light;
+mod picture;
+mod plates;
 mod report;
 pub mod rivals;
+mod run;
 #[cfg(test)]
 mod sample;
+mod subject;
 mod summary;
 mod text;
 
+pub use gate::faults_above;
 pub use report::html;
+pub use run::{Settings, evaluate};
+pub use subject::{Lod, Look, ReferenceError, Subject, same_atlas, settings_of, with_reference};
 pub use summary::{
     Judgement, MAX_COVERAGE_ERROR, MIN_IOU, TABLE_HEADER, Verdict, judge, table_rows,
 };
@@ -57,8 +68,8 @@ pub struct Model {
     pub budget: Option<u64>,
     /// Triangles.
     pub triangles: u64,
-    /// How often the pixels inside the silhouette are covered, mean over views at the largest height: the fill
-    /// cost, as layers.
+    /// Fragments, transparent ones too, to the pixel of the full tree's frame (its bounding rectangle as
+    /// seen), mean over views at the largest height: the fill cost, as layers.
     pub layers: f32,
     /// Measured error, metres; none for rivals.
     pub error_m: Option<f32>,
@@ -66,9 +77,10 @@ pub struct Model {
     pub screen_size: Option<f32>,
     /// Forms of the levels, or the rival's settings, in words.
     pub state: String,
-    /// By height, in the order of [`Evaluation::heights`].
+    /// By height, in the order of [`Evaluation::heights`]; rivals have only some of them.
     pub scores: Vec<Scores>,
-    /// The rivals of the same budget that have a better silhouette (IoU at the largest height).
+    /// The rivals of the same budget, and of no more triangles, that have a better silhouette (IoU at the
+    /// largest height).
     pub loses_to: Vec<String>,
 }
 
@@ -90,13 +102,13 @@ pub struct Scores {
 pub struct Score {
     /// Intersection over union of the silhouettes (coverage of a pixel at least one half), 0..=1; 1 is equal.
     pub iou: f32,
-    /// Covered area against the full tree's, minus 1: negative is thinner.
+    /// Covered pixels against the full tree's, minus 1: negative is thinner.
     pub coverage: f32,
     /// The same without its sign, per view, then the mean.
     pub coverage_abs: f32,
     /// Mean FLIP over the pixels of both silhouettes, 0 (same) ..= 1.
     pub flip: f32,
-    /// Mean angle between the normals where both are covered, degrees.
+    /// Mean angle between the normals where both are covered, degrees; not a number if that is nowhere.
     pub normal_deg: f32,
 }
 
@@ -113,6 +125,6 @@ pub struct Plate {
     pub reference: Vec<u8>,
     /// The model; PNG.
     pub picture: Vec<u8>,
-    /// FLIP, coloured; PNG.
+    /// FLIP, coloured; PNG. Empty but at the largest height.
     pub error: Vec<u8>,
 }

@@ -7,8 +7,7 @@ pub(super) const AREA_OFF: &str =
     "Area off: error of the covered area in each view, without its sign; 0% is equal.";
 pub(super) const FLIP: &str = "FLIP: the difference that an eye sees when it flips between the two pictures; 0 is none, 1 the most.";
 pub(super) const NORMALS: &str = "Normals: mean angle between the two surfaces where both cover a pixel; light falls alike at 0\u{b0}.";
-pub(super) const LAYERS: &str =
-    "Layers: how often a pixel inside the silhouette is drawn over; the fill cost, 1 is the least.";
+pub(super) const LAYERS: &str = "Layers: how often a pixel of the full tree's frame is drawn, transparent texels too; the fill cost.";
 pub(super) const ERROR: &str = "Error: how far the shape may be off, in metres.";
 pub(super) const UP_TO: &str =
     "Up to: height of the tree on a screen of 1080 lines up to which the LOD may be shown.";

@@ -1,0 +1,100 @@
+//! One picture of a model against that of the full tree.
+
+use super::picture::{Crop, Picture};
+use crate::math::{Vec3, float};
+use crate::measure::flip::{PIXELS_PER_DEGREE, flip, masked_mean};
+use crate::measure::silhouette::Silhouette;
+
+/// Pixels around both silhouettes over which FLIP is still averaged: an edge is seen from both of its sides.
+const RIM: usize = 2;
+
+/// How one picture compares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Difference {
+    /// Intersection over union.
+    pub(super) iou: f32,
+    /// Covered pixels over the full tree's, minus 1.
+    pub(super) coverage: f32,
+    /// Mean FLIP around both silhouettes.
+    pub(super) flip: f32,
+    /// Mean angle of the normals, degrees; none if no pixel is covered in both.
+    pub(super) normal_deg: Option<f32>,
+}
+
+pub(super) fn compare(full: &Picture, test: &Picture) -> Difference {
+    let (both, either) = full.silhouette.overlap(&test.silhouette);
+    let (of_full, of_test) = (full.silhouette.area(), test.silhouette.area());
+    Difference {
+        iou: if either == 0 {
+            1.0
+        } else {
+            real(both) / real(either)
+        },
+        coverage: match (of_full, of_test) {
+            (0, 0) => 0.0,
+            // Nothing to compare with: as wrong as a doubled tree.
+            (0, _) => 1.0,
+            _ => real(of_test) / real(of_full) - 1.0,
+        },
+        flip: masked_flip(full, test),
+        normal_deg: normal_angle(full, test),
+    }
+}
+
+/// FLIP over both silhouettes and a rim. Only the part of the picture that either touches is looked at: past
+/// its air both are background, and FLIP repeats the edge.
+fn masked_flip(full: &Picture, test: &Picture) -> f32 {
+    let Some(crop) = Crop::around(&[full, test], RIM + 1) else {
+        return 0.0;
+    };
+    let (a, b) = (crop.image(&full.colour), crop.image(&test.colour));
+    let mask = mask(&full.silhouette, &test.silhouette, crop);
+    flip(&a, &b, PIXELS_PER_DEGREE).map_or(0.0, |errors| masked_mean(&errors, &mask))
+}
+
+/// Pixels within the rim of either silhouette.
+fn mask(a: &Silhouette, b: &Silhouette, crop: Crop) -> Vec<bool> {
+    let (a, b) = (crop.of(&a.covered, a.width), crop.of(&b.covered, b.width));
+    let either: Vec<bool> = a.iter().zip(&b).map(|(a, b)| a | b).collect();
+    let (width, height) = (crop.x1 - crop.x0, crop.y1 - crop.y0);
+    // A square is a row of columns.
+    let spread = |from: &[bool], along: usize, end: &dyn Fn(usize) -> usize, count: usize| {
+        let mut to = from.to_vec();
+        for at in (0..from.len()).filter(|&at| from[at]) {
+            let place = end(at);
+            for step in 1..=RIM {
+                if place >= step {
+                    to[at - step * along] = true;
+                }
+                if place + step < count {
+                    to[at + step * along] = true;
+                }
+            }
+        }
+        to
+    };
+    let wide = spread(&either, 1, &|at| at % width, width);
+    spread(&wide, width, &|at| at / width, height)
+}
+
+/// Mean angle between the normals where both are covered, degrees.
+fn normal_angle(full: &Picture, test: &Picture) -> Option<f32> {
+    let (a, b) = (&full.silhouette.covered, &test.silhouette.covered);
+    let mut sum = 0.0_f64;
+    let mut count = 0;
+    for at in (0..a.len()).filter(|&at| a[at] && b[at]) {
+        sum += f64::from(angle(full.normals[at], test.normals[at]));
+        count += 1;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "an angle in degrees")]
+    (count > 0).then(|| (sum / f64::from(count)).to_degrees() as f32)
+}
+
+/// Angle between unit vectors, radians: exact for equal ones too.
+fn angle(a: Vec3, b: Vec3) -> f32 {
+    2.0 * libm::atan2f((a - b).length(), (a + b).length())
+}
+
+fn real(count: u64) -> f32 {
+    float(u32::try_from(count).unwrap_or(u32::MAX))
+}
