@@ -1,9 +1,11 @@
 //! One picture of a model against that of the full tree.
 
 use super::picture::{Crop, Picture};
+use crate::capture::View;
 use crate::math::{Vec3, float};
 use crate::measure::flip::{PIXELS_PER_DEGREE, flip, masked_mean};
-use crate::measure::silhouette::Silhouette;
+use crate::measure::silhouette::{Cutouts, Silhouette};
+use crate::mesh::Mesh;
 
 /// Pixels around both silhouettes over which FLIP is still averaged: an edge is seen from both of its sides.
 const RIM: usize = 2;
@@ -13,7 +15,7 @@ const RIM: usize = 2;
 pub(super) struct Difference {
     /// Intersection over union.
     pub(super) iou: f32,
-    /// Covered pixels over the full tree's, minus 1.
+    /// Covered area over the full tree's, minus 1.
     pub(super) coverage: f32,
     /// Mean FLIP around both silhouettes.
     pub(super) flip: f32,
@@ -21,9 +23,36 @@ pub(super) struct Difference {
     pub(super) normal_deg: Option<f32>,
 }
 
-pub(super) fn compare(full: &Picture, test: &Picture) -> Difference {
-    let (both, either) = full.silhouette.overlap(&test.silhouette);
-    let (of_full, of_test) = (full.silhouette.area(), test.silhouette.area());
+/// The outline of a model: what alone decides its coverage and silhouette.
+pub(super) struct Outline {
+    /// Pixels of which most samples are covered.
+    pixels: Silhouette,
+    /// Covered samples.
+    samples: u64,
+}
+
+impl Outline {
+    /// Draws a model with `n` by `n` samples in each pixel of `view`, each reading the finest texels.
+    pub(super) fn draw(mesh: &Mesh, cutouts: &Cutouts, view: &View, n: u32) -> Self {
+        let samples = View {
+            width: view.width * n,
+            height: view.height * n,
+            ..*view
+        };
+        let silhouette = Silhouette::of(mesh, cutouts, &samples);
+        Self {
+            pixels: silhouette.reduced(n),
+            samples: silhouette.area(),
+        }
+    }
+}
+
+pub(super) fn compare(
+    (full, full_outline): (&Picture, &Outline),
+    (test, test_outline): (&Picture, &Outline),
+) -> Difference {
+    let (both, either) = full_outline.pixels.overlap(&test_outline.pixels);
+    let (of_full, of_test) = (full_outline.samples, test_outline.samples);
     Difference {
         iou: if either == 0 {
             1.0

@@ -51,13 +51,13 @@ pub(super) fn all<'a>(
         .filter_map(|lod| Some((lod.budget?, lod.mesh.triangles())))
         .collect();
     progress.begin("rivals", budgets.len() as u64);
-    let cutouts = Cutouts::of(&skin.foliage);
-    let yardstick = Yardstick::new(subject.full, &cutouts);
+    let cutouts = &skin.cutouts;
+    let yardstick = Yardstick::new(subject.full, cutouts);
     for (budget, triangles) in budgets {
         if progress.cancelled() {
             return Err(Cancelled);
         }
-        let (mesh, words) = random(subject, triangles, &yardstick, &cutouts);
+        let (mesh, words) = random(subject, triangles, &yardstick, cutouts);
         entrants.push(rival(RANDOM, &words, budget, mesh));
         if settings.rivals {
             entrants.extend(others(subject.full, budget, triangles));

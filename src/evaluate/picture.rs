@@ -7,7 +7,7 @@ use crate::asset::Surface;
 use crate::capture::{ALPHA_CUTOFF, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
 use crate::math::{Vec2, Vec3, float, srgb_from_linear};
-use crate::measure::silhouette::Silhouette;
+use crate::measure::silhouette::{Cutouts, Silhouette};
 use crate::mesh::card::{Relief, UvRect};
 use crate::mesh::{Mesh, Primitive};
 
@@ -23,8 +23,10 @@ const BARK_MIPS: usize = 10;
 /// Textures of a model, ready to be fetched.
 pub(super) struct Skin {
     bark: Vec<Image<Texel>>,
-    pub(super) foliage: Vec<Image<Texel>>,
+    foliage: Vec<Image<Texel>>,
     reliefs: Vec<Relief>,
+    /// Which texels of the atlas are there.
+    pub(super) cutouts: Cutouts,
 }
 
 impl Skin {
@@ -32,9 +34,11 @@ impl Skin {
         // Packs hold no alpha of the bark, so none may count.
         let mut opaque = bark.texels();
         opaque.texels_mut().iter_mut().for_each(|t| t.alpha = 1.0);
+        let foliage = foliage.texels();
         Self {
+            cutouts: Cutouts::of(&foliage),
             bark: mips::chain(opaque, BARK_MIPS, ALPHA_CUTOFF),
-            foliage: mips::chain(foliage.texels(), FOLIAGE_MIPS, ALPHA_CUTOFF),
+            foliage: mips::chain(foliage, FOLIAGE_MIPS, ALPHA_CUTOFF),
             reliefs: reliefs.to_vec(),
         }
     }
@@ -54,7 +58,7 @@ impl Skin {
 /// What is drawn.
 pub(super) struct Sitter<'a> {
     pub(super) mesh: &'a Mesh,
-    skin: &'a Skin,
+    pub(super) skin: &'a Skin,
     reliefs: Vec<Relief>,
 }
 

@@ -3,7 +3,7 @@
 //! Views and heights are independent, and their results are put together by index, so the figures are the
 //! same at any thread count.
 
-use super::compare::{Difference, compare};
+use super::compare::{Difference, Outline, compare};
 use super::entrants::{self, Entrant};
 use super::light::Light;
 use super::picture::{Picture, Sitter, Skin};
@@ -50,6 +50,9 @@ const LARGE: u32 = 256;
 /// Samples along each edge of a pixel of a small and of a large picture.
 const SUPERSAMPLES: [u32; 2] = [4, 2];
 
+/// The same for outlines: odd, so that most of a pixel's samples are covered or most are not.
+const OUTLINE_SAMPLES: [u32; 2] = [5, 3];
+
 /// Beside the largest height, rivals are measured at this one.
 const RIVAL_HEIGHT: u32 = 64;
 
@@ -63,7 +66,8 @@ const LARGEST_HALF: u32 = 3;
 /// Compares the LODs of a tree, and rivals, with the full tree.
 ///
 /// Models are drawn without perspective, `height` pixels for the height of the full tree (or a quarter of its
-/// width, if that is more), with 2 by 2 samples to the pixel from 256 pixels on and 4 by 4 below. Rivals are
+/// width, if that is more), with 2 by 2 samples to the pixel from 256 pixels on and 4 by 4 below;
+/// outlines, which decide silhouettes and coverage, with 3 by 3 and 5 by 5 that read the finest texels. Rivals are
 /// measured at the largest height and at 64 pixels only. Where the full tree covers no pixel and a model covers
 /// some, its coverage counts as 100 % too much.
 ///
@@ -225,6 +229,9 @@ impl Set<'_> {
         let pixels = self.settings.heights[height];
         let n = SUPERSAMPLES[usize::from(pixels >= LARGE)];
         let full = Picture::draw(&self.full, &self.light, &frame, n);
+        let odd = OUTLINE_SAMPLES[usize::from(pixels >= LARGE)];
+        let outline = |s: &Sitter<'_>| Outline::draw(s.mesh, &s.skin.cutouts, &frame, odd);
+        let full_outline = outline(&self.full);
         let is_shown = self.settings.plates && self.is_shown(view);
         let mut shown = Vec::new();
         let mut differences = Vec::new();
@@ -234,7 +241,11 @@ impl Set<'_> {
                 continue;
             }
             let picture = Picture::draw(&self.sitters[index], &self.light, &frame, n);
-            differences.push(Some(compare(&full, &picture)));
+            let test_outline = outline(&self.sitters[index]);
+            differences.push(Some(compare(
+                (&full, &full_outline),
+                (&picture, &test_outline),
+            )));
             if is_shown && entrant.is_lod {
                 shown.push((index, picture));
             }
