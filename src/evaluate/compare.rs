@@ -17,8 +17,8 @@ pub(super) struct Difference {
     pub(super) iou: f32,
     /// Covered area over the full tree's, minus 1.
     pub(super) coverage: f32,
-    /// Mean FLIP around both silhouettes.
-    pub(super) flip: f32,
+    /// Mean FLIP around both silhouettes; none if only the outline was drawn.
+    pub(super) flip: Option<f32>,
     /// Mean angle of the normals, degrees; none if no pixel is covered in both.
     pub(super) normal_deg: Option<f32>,
 }
@@ -47,9 +47,10 @@ impl Outline {
     }
 }
 
+/// Compares a model with the full tree; colours and normals only if it was drawn.
 pub(super) fn compare(
     (full, full_outline): (&Picture, &Outline),
-    (test, test_outline): (&Picture, &Outline),
+    (test, test_outline): (Option<&Picture>, &Outline),
 ) -> Difference {
     let (both, either) = full_outline.pixels.overlap(&test_outline.pixels);
     let (of_full, of_test) = (full_outline.samples, test_outline.samples);
@@ -65,8 +66,8 @@ pub(super) fn compare(
             (0, _) => 1.0,
             _ => real(of_test) / real(of_full) - 1.0,
         },
-        flip: masked_flip(full, test),
-        normal_deg: normal_angle(full, test),
+        flip: test.map(|test| masked_flip(full, test)),
+        normal_deg: test.and_then(|test| normal_angle(full, test)),
     }
 }
 
