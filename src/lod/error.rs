@@ -1,7 +1,8 @@
-//! Geometric errors of states, and the screen sizes at which they become small enough.
+//! Errors of LODs, and the screen sizes at which they become small enough.
 //!
-//! These are bounds from geometry, not measurements of pictures: a tolerance for splines, and for quads
-//! the distance of the sub-tree's outermost points from the nearest of the two planes.
+//! A finished LOD's error is measured (`measure::yardstick`); the level-wide selector by itself has bounds
+//! from geometry: a tolerance for splines, and for quads the distance of the sub-tree's outermost points from
+//! the nearest of the two planes.
 
 use super::{Form, State};
 use crate::math::Similarity;

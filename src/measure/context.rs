@@ -76,6 +76,9 @@ pub(super) struct Trial {
     pub(super) error: f32,
     /// Covered area over full detail's.
     pub(super) coverage: f32,
+    /// The same from the first views and from the last third of them: from the side and from above, for the
+    /// whole tree.
+    pub(super) parts: [f32; 2],
 }
 
 impl Gauge<'_> {
@@ -382,7 +385,13 @@ impl TrialQuad {
 impl Context {
     /// Draws the exchangeable nodes as quads, scaled by `scale`.
     pub(super) fn try_quads(&self, quads: &[TrialQuad], scale: f32) -> Trial {
-        let meshes: Vec<Mesh> = quads.iter().map(|q| q.mesh(scale)).collect();
+        self.try_scaled(quads, &vec![scale; quads.len()])
+    }
+
+    /// The same with a scale for each quad.
+    pub(super) fn try_scaled(&self, quads: &[TrialQuad], scales: &[f32]) -> Trial {
+        let scaled = quads.iter().zip(scales);
+        let meshes: Vec<Mesh> = scaled.map(|(q, &scale)| q.mesh(scale)).collect();
         self.compare(|silhouette, node, view| {
             for (mesh, quad) in meshes.iter().zip(quads) {
                 silhouette.add(mesh, node, &quad.cutouts, view);
@@ -413,10 +422,15 @@ impl Context {
             .collect();
         let sum = |k: usize| real(sums.iter().map(|s| s[k]).sum());
         let views = real(self.views.len() as u64);
+        let first = sums.len() - sums.len() / 3;
         let scales: f32 = self.nodes.iter().map(|n| n.scale * n.scale).sum();
         Trial {
             error: sum(0) * self.sample * self.sample / views / scales.max(1e-12),
             coverage: sum(1) / sum(2).max(1.0),
+            parts: [0..first, first..sums.len()].map(|range| {
+                let part = |k: usize| real(sums[range.clone()].iter().map(|s| s[k]).sum());
+                part(1) / part(2).max(1.0)
+            }),
         }
     }
 }

@@ -41,8 +41,8 @@ pub enum Look {
 pub struct Set {
     /// The planes, in the prototype's frame.
     pub planes: Vec<Plane>,
-    /// Factor on the quads' size at which they cover what they stand for.
-    pub scale: f32,
+    /// By plane: factor on its quad's size at which the set covers what it stands for.
+    pub scales: Vec<f32>,
     /// In words: `cross+top`, `planes 8`.
     pub name: String,
 }
@@ -395,11 +395,18 @@ impl Gauge<'_> {
                 .collect()
         };
         let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32) {
-            let (scale, error) = best_scale(&context, &trial(&planes));
+            let quads = trial(&planes);
+            let (scale, error) = best_scale(&context, &quads);
+            let mut scales = vec![scale; planes.len()];
+            let mut error = error;
+            let is_level: Vec<bool> = planes.iter().map(|p| p.normal().y.abs() > 0.9).collect();
+            if level == 0 && is_level.contains(&true) && planes.len() <= 4 {
+                (scales, error) = balanced(&context, &quads, scales, &is_level);
+            }
             (
                 Set {
                     planes,
-                    scale,
+                    scales,
                     name,
                 },
                 error,
@@ -419,12 +426,12 @@ impl Gauge<'_> {
         }
         let turn = found.turn;
         found.cross = Some((trial(&best.0.planes), best.1));
-        found.cross_scale = best.0.scale;
+        found.cross_scale = best.0.scales[0];
         let others_only = !matches!(forced, None | Some(ClosedForm::Cross));
         if !others_only {
             found
                 .forms
-                .push((Look::Cross(best.0.scale), closed(4, best.1)));
+                .push((Look::Cross(best.0.scales[0]), closed(4, best.1)));
         }
         let sets: Vec<(Set, f32)> = match forced {
             Some(ClosedForm::Cross) => Vec::new(),
@@ -508,6 +515,27 @@ fn best_scale(context: &Context, quads: &[TrialQuad]) -> (f32, f32) {
     };
     let third = context.try_quads(quads, scale);
     (scale, third.error)
+}
+
+/// Scales of a whole tree's upright and level quads at which it covers as much from the side and from above.
+fn balanced(
+    context: &Context,
+    quads: &[TrialQuad],
+    mut scales: Vec<f32>,
+    is_level: &[bool],
+) -> (Vec<f32>, f32) {
+    /// Rounds; each takes most of what is left.
+    const ROUNDS: usize = 4;
+    let [low, high] = SCALES;
+    for _ in 0..ROUNDS {
+        let seen = context.try_scaled(quads, &scales);
+        for (scale, &is_level) in scales.iter_mut().zip(is_level) {
+            let part = seen.parts[usize::from(is_level)];
+            *scale = (*scale * (1.0 + 0.7 * (1.0 - part))).clamp(low, high);
+        }
+    }
+    let error = context.try_scaled(quads, &scales).error;
+    (scales, error)
 }
 
 /// Trial captures of crossed quads.

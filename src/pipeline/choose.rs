@@ -436,7 +436,8 @@ impl Fitting<'_> {
             Look::Planes(set) => self.used.places[level][prototype][index].map(|place| {
                 let scaled: Vec<card::Quad> = quads.sets[place]
                     .iter()
-                    .map(|q| q.scaled_on(level, set.scale * scale))
+                    .zip(&set.scales)
+                    .map(|(q, own)| q.scaled_on(level, own * scale))
                     .collect();
                 card::quads(&scaled)
             }),
