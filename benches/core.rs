@@ -1,16 +1,20 @@
-//! The costly stages for the olive: all captures, from meshes and from captures, and everything from
-//! the species to the finished asset, without a disk.
+//! The costly stages for the olive: all captures, from meshes and from captures, the measured menu of forms,
+//! fronts under budgets, and everything from the species to the finished asset, without a disk.
 
 use divan::{AllocProfiler, Bencher, black_box};
 use pleach::capture::{self, LeafArtwork, Plan, Source, bake};
 use pleach::image::{Image, Texel, mips};
+use pleach::impostor::cross_quad::CrossQuads;
+use pleach::lod::cut::Cutter;
 use pleach::math::float;
+use pleach::measure::menu::{self, Forms};
+use pleach::measure::silhouette::Cutouts;
 use pleach::pipeline;
 use pleach::report::Quiet;
 use pleach::species::schema::{Bark, LeafLook, Species};
 use pleach::species::{self, NoFiles};
 use pleach::texture;
-use pleach::tree::{Limits, grow};
+use pleach::tree::{Limits, Tree, grow};
 
 #[global_allocator]
 static ALLOCATOR: AllocProfiler = AllocProfiler::system();
@@ -93,4 +97,30 @@ fn generate(bencher: Bencher) {
     let species = olive();
     let settings = pipeline::Settings::default();
     bencher.bench(|| pipeline::generate(black_box(&species), &settings, &NoFiles, &Quiet));
+}
+
+/// The menu of the seed's tree, measured.
+fn forms(species: &Species, tree: &Tree) -> Forms {
+    let (sheet, places) = capture::leaf_sheet(&drawn(species)).expect("one kind fits");
+    let leaves = CrossQuads::none(tree, places);
+    let cutouts = Cutouts::of(&sheet);
+    let turns = capture::standing(tree);
+    let budgets = &species.lod.budgets;
+    menu::forms(tree, &species.lod, &leaves, &cutouts, &turns, budgets).expect("small enough")
+}
+
+#[divan::bench(sample_count = 5)]
+fn measure_all_forms(bencher: Bencher) {
+    let species = olive();
+    let tree = grow(&species, 2, &Limits::default()).expect("within the limits");
+    bencher.bench(|| forms(&species, black_box(&tree)));
+}
+
+#[divan::bench(args = [400, 2_000, 10_000], sample_count = 20)]
+fn cut_a_front(bencher: Bencher, budget: u64) {
+    let species = olive();
+    let tree = grow(&species, 2, &Limits::default()).expect("within the limits");
+    let forms = forms(&species, &tree);
+    let cutter = Cutter::new(&tree, &forms.menu);
+    bencher.bench(|| cutter.cut(black_box(budget)));
 }
