@@ -18,7 +18,7 @@ use crate::lod::{Form, State};
 use crate::math::{PI, Quat, Vec3};
 use crate::mesh::{Mesh, TooLarge, tube};
 use crate::species::schema::{ClosedForm, Lod, Simplification};
-use crate::tree::{Branch, Kind, Part, Tree};
+use crate::tree::{Branch, Part, Tree};
 use rayon::prelude::*;
 
 /// In which form a prototype's node is drawn.
@@ -330,7 +330,7 @@ impl Gauge<'_> {
             let quads = crossed(
                 &own,
                 &own,
-                mean_axis(branch),
+                cross_quad::mean_axis(branch),
                 0.0,
                 self.cutouts,
                 context.sample,
@@ -382,7 +382,7 @@ impl Gauge<'_> {
         let context = self.whole_node(seat, CONTEXT_CARDS)?;
         let items = planes::items(&own);
         let through = match &self.tree.prototype(level, prototype).part {
-            Part::Branch(branch) => mean_axis(branch),
+            Part::Branch(branch) => cross_quad::mean_axis(branch),
             _ => own.bounds().centre(),
         };
         let trial = |planes: &[Plane]| -> Vec<TrialQuad> {
@@ -553,12 +553,6 @@ fn crossed(
         .collect()
 }
 
-/// The mean point of a branch's curve.
-#[must_use]
-pub fn mean_axis(branch: &Branch) -> Vec3 {
-    cross_quad::mean_axis(branch)
-}
-
 fn open(triangles: u64, error: f32) -> Offer {
     Offer {
         triangles,
@@ -573,10 +567,4 @@ fn closed(triangles: u64, error: f32) -> Offer {
         error,
         open: false,
     }
-}
-
-/// True if a level's nodes have forms to choose from.
-#[must_use]
-pub fn is_chosen(tree: &Tree, level: usize) -> bool {
-    tree.levels[level].kind != Kind::Leaf
 }
