@@ -526,12 +526,15 @@ fn balanced(
 ) -> (Vec<f32>, f32) {
     /// Rounds; each takes most of what is left.
     const ROUNDS: usize = 4;
+    /// A level quad that reaches out of the crown is seen as a line across the tree.
+    const WIDEST_LEVEL: f32 = 1.0;
     let [low, high] = SCALES;
     for _ in 0..ROUNDS {
         let seen = context.try_scaled(quads, &scales);
         for (scale, &is_level) in scales.iter_mut().zip(is_level) {
             let part = seen.parts[usize::from(is_level)];
-            *scale = (*scale * (1.0 + 0.7 * (1.0 - part))).clamp(low, high);
+            let most = if is_level { WIDEST_LEVEL } else { high };
+            *scale = (*scale * (1.0 + 0.7 * (1.0 - part))).clamp(low, most);
         }
     }
     let error = context.try_scaled(quads, &scales).error;
