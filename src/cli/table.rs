@@ -1,5 +1,6 @@
 //! Plain tables for people.
 
+pub(crate) use crate::evaluate::text::number;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 /// A table; columns whose header starts with `#` are right-aligned numbers.
@@ -67,19 +68,6 @@ fn arranged(
         .map(str::trim_end)
         .collect::<Vec<_>>()
         .join("\n")
-}
-
-/// A whole number with its thousands apart.
-pub(crate) fn number(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// Bytes in the unit that a person would use.

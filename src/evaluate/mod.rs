@@ -17,7 +17,7 @@ mod run;
 mod sample;
 mod subject;
 mod summary;
-mod text;
+pub(crate) mod text;
 
 pub use gate::faults_above;
 pub use report::html;

@@ -29,7 +29,7 @@ pub(super) fn signed_percent(x: f32) -> String {
 }
 
 /// A whole number with its thousands apart.
-pub(super) fn number(number: u64) -> String {
+pub(crate) fn number(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {

@@ -244,7 +244,9 @@ impl Gauge<'_> {
     fn views(&self, level: usize, mesh: &Mesh) -> (Vec<View>, f32) {
         let size = mesh.bounds().size();
         let (directions, sample) = if level == 0 {
-            (calibration(), size.y / TREE_SAMPLES)
+            // A carpet seen from above must not ask for more samples than a tree.
+            let height = size.y.max(size.max_element() * 0.25);
+            (calibration(), height / TREE_SAMPLES)
         } else {
             (sphere(SUBTREE_VIEWS), size.max_element() / SUBTREE_SAMPLES)
         };
