@@ -8,7 +8,8 @@ pub(super) const AREA_OFF: &str =
 pub(super) const FLIP: &str = "FLIP: the difference that an eye sees when it flips between the two pictures; 0 is none, 1 the most.";
 pub(super) const NORMALS: &str = "Normals: mean angle between the two surfaces where both cover a pixel; light falls alike at 0\u{b0}.";
 pub(super) const LAYERS: &str = "Layers: how often a pixel of the full tree's frame is drawn, transparent texels too; the fill cost.";
-pub(super) const ERROR: &str = "Error: how far the shape may be off, in metres.";
+pub(super) const ERROR: &str =
+    "Error: edge, in metres, of the blocks whose covered area is right to within a tenth.";
 pub(super) const UP_TO: &str =
     "Up to: height of the tree on a screen of 1080 lines up to which the LOD may be shown.";
 pub(super) const TRIANGLES: &str =
