@@ -28,14 +28,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             size: [380, 480],
             ..preview::Settings::default()
         };
-        portraits.push(preview::picture(&asset, &portrait));
+        portraits.push(preview::picture(&asset.drawable(), &portrait));
         let small = preview::Settings {
             size: [260, 330],
             ..portrait
         };
         write(
             &out.join(format!("{slug}_lods.png")),
-            &preview::strip(&asset, &small),
+            &preview::strip(&asset.drawable(), &small),
         )?;
         write(&out.join(format!("{slug}_atlas.png")), &on_white(&asset))?;
         write(

@@ -86,6 +86,36 @@ pub struct AssetLod {
     pub mesh: Mesh,
 }
 
+/// What a tree is drawn from, whether it was just grown or read from a pack's files.
+#[derive(Clone, Debug)]
+pub struct Drawable<'a> {
+    /// LODs from the finest to the coarsest, at least one, each with the part of the picture's height up to
+    /// which it may be shown.
+    pub lods: Vec<(&'a Mesh, f32)>,
+    /// Foliage atlas.
+    pub foliage: &'a Surface,
+    /// Bark texture; repeats.
+    pub bark: &'a Surface,
+    /// Captures in the atlas with their real sizes; none where they are not known.
+    pub reliefs: &'a [Relief],
+    /// Nine soft ground shadows.
+    pub shadows: &'a Shadows,
+}
+
+impl TreeAsset {
+    /// What it is drawn from.
+    #[must_use]
+    pub fn drawable(&self) -> Drawable<'_> {
+        Drawable {
+            lods: self.lods.iter().map(|l| (&l.mesh, l.screen_size)).collect(),
+            foliage: &self.foliage,
+            bark: &self.bark,
+            reliefs: &self.reliefs,
+            shadows: &self.shadows,
+        }
+    }
+}
+
 /// A textured surface in the bytes that files hold.
 #[derive(Clone, Debug)]
 pub struct Surface {

@@ -10,6 +10,8 @@ pub mod capture;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod evaluate;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod image;
 pub mod impostor;
 pub mod lod;
@@ -19,6 +21,8 @@ pub mod mesh;
 pub mod pack;
 pub mod pipeline;
 pub mod preview;
+#[cfg(feature = "gpu")]
+pub mod render;
 pub mod report;
 pub mod rng;
 pub mod shadow;

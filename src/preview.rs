@@ -1,9 +1,9 @@
-//! Pictures of an asset, drawn by the CPU rasteriser: a pack's preview and LOD strips.
+//! Pictures of a tree, drawn by the CPU rasteriser: a pack's preview and LOD strips.
 //!
 //! Orthographic, one sun, sky light dimmed by a density grid of the crown, a ground that receives the nine
 //! baked shadows. Meant to show the shapes and textures honestly, not to be a renderer.
 
-use crate::asset::{Surface, TreeAsset};
+use crate::asset::{Drawable, Surface};
 use crate::capture::{ALPHA_CUTOFF, Occlusion, Seen, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
 use crate::math::{
@@ -54,16 +54,16 @@ const SHADE_CELLS: u32 = 40;
 
 /// One picture of one LOD, framed around the tree's bounds.
 #[must_use]
-pub fn picture(asset: &TreeAsset, settings: &Settings) -> Image<[u8; 3]> {
-    let stage = Stage::new(asset, settings);
+pub fn picture(tree: &Drawable<'_>, settings: &Settings) -> Image<[u8; 3]> {
+    let stage = Stage::new(tree, settings);
     stage.draw(&stage.frame())
 }
 
 /// All LODs side by side under the same camera, the finest on the left.
 #[must_use]
-pub fn strip(asset: &TreeAsset, settings: &Settings) -> Image<[u8; 3]> {
-    let pictures: Vec<Image<[u8; 3]>> = (0..asset.lods.len())
-        .map(|lod| picture(asset, &Settings { lod, ..*settings }))
+pub fn strip(tree: &Drawable<'_>, settings: &Settings) -> Image<[u8; 3]> {
+    let pictures: Vec<Image<[u8; 3]>> = (0..tree.lods.len())
+        .map(|lod| picture(tree, &Settings { lod, ..*settings }))
         .collect();
     side_by_side(&pictures)
 }
@@ -85,7 +85,7 @@ pub fn side_by_side(pictures: &[Image<[u8; 3]>]) -> Image<[u8; 3]> {
 
 /// What all pixels of a picture need.
 struct Stage<'a> {
-    asset: &'a TreeAsset,
+    tree: &'a Drawable<'a>,
     settings: &'a Settings,
     foliage: Vec<Image<Texel>>,
     bark: Vec<Image<Texel>>,
@@ -95,18 +95,18 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    fn new(asset: &'a TreeAsset, settings: &'a Settings) -> Self {
-        let mesh = &asset.lods[settings.lod.min(asset.lods.len() - 1)].mesh;
+    fn new(tree: &'a Drawable<'a>, settings: &'a Settings) -> Self {
+        let mesh = tree.lods[settings.lod.min(tree.lods.len() - 1)].0;
         // The finest LOD shades all of them, so that a strip compares shapes and not light.
-        let mut shade = Occlusion::of(&asset.lods[0].mesh);
-        shade.refine(&asset.lods[0].mesh, SHADE_CELLS);
+        let mut shade = Occlusion::of(tree.lods[0].0);
+        shade.refine(tree.lods[0].0, SHADE_CELLS);
         let sun = settings.sun.normalize_or(Vec3::Y);
         debug_assert!(!mesh.bounds().is_empty(), "a LOD draws something");
         Self {
-            asset,
+            tree,
             settings,
-            foliage: mips::chain(asset.foliage.texels(), 5, ALPHA_CUTOFF),
-            bark: mips::chain(asset.bark.texels(), 10, ALPHA_CUTOFF),
+            foliage: mips::chain(tree.foliage.texels(), 5, ALPHA_CUTOFF),
+            bark: mips::chain(tree.bark.texels(), 10, ALPHA_CUTOFF),
             shade,
             sun,
             shadow_weights: shadow::weights(sun),
@@ -127,7 +127,7 @@ impl<'a> Stage<'a> {
         let right = Vec3::new(cosine, 0.0, -sine);
         let toward = Vec3::new(sine * level, lift, cosine * level);
         let up = toward.cross(right);
-        let mesh = &self.asset.lods[0].mesh;
+        let mesh = self.tree.lods[0].0;
         let points = mesh
             .bark
             .vertices
@@ -151,11 +151,11 @@ impl<'a> Stage<'a> {
     }
 
     fn draw(&self, view: &View) -> Image<[u8; 3]> {
-        let mesh = &self.asset.lods[self.settings.lod.min(self.asset.lods.len() - 1)].mesh;
+        let mesh = self.tree.lods[self.settings.lod.min(self.tree.lods.len() - 1)].0;
         let textures = Textures {
             bark: &self.bark,
             foliage: &self.foliage,
-            reliefs: &self.asset.reliefs,
+            reliefs: self.tree.reliefs,
         };
         let seen = Visibility::draw(mesh, textures, view);
         let n = self.settings.supersample;
@@ -220,7 +220,7 @@ impl<'a> Stage<'a> {
 
     /// One baked shadow at a point of the ground, 0..=1, between texels.
     fn shadow_at(&self, map: usize, ground: Vec3) -> f32 {
-        let map = &self.asset.shadows.maps[map];
+        let map = &self.tree.shadows.maps[map];
         let [x0, z0, x1, z1] = map.ground_rect_m;
         let (width, height) = (map.image.width(), map.image.height());
         let u = (ground.x - x0) / (x1 - x0) * float(width) - 0.5;

@@ -209,7 +209,7 @@ fn picture(script: &Script) -> Image<[u8; 3]> {
     let asset = pipeline::generate(&script.species, &settings, &images, &Quiet)
         .unwrap_or_else(|error| panic!("{}: {error}", script.slug));
     preview::picture(
-        &asset,
+        &asset.drawable(),
         &preview::Settings {
             size: [96, 120],
             ..preview::Settings::default()

@@ -25,6 +25,8 @@ pub(crate) enum Command {
     Inspect(Inspect),
     /// Compare every LOD with the full tree, from views that nothing was fitted to.
     Evaluate(Evaluate),
+    /// Draw a script's tree or a pack: a still, all LODs, a turntable, a contact sheet. Needs no window.
+    Render(Render),
 }
 
 #[derive(Debug, ClapArgs)]
@@ -198,6 +200,152 @@ pub(crate) struct Evaluate {
     /// Print all figures to stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Render {
+    /// Species scripts or pack folders; several for a contact sheet.
+    #[arg(value_name = "SPECIES|PACK", required = true)]
+    pub(crate) paths: Vec<PathBuf>,
+    /// Picture to write: PNG; for a turntable an animated PNG, GIF (`.gif`), or numbered PNGs (`turn-%d.png`).
+    #[arg(long, short)]
+    pub(crate) out: PathBuf,
+    /// What to draw.
+    #[arg(long, value_enum, default_value_t = What::Still)]
+    pub(crate) what: What,
+    /// Size of the picture, or of each tree's part of it, pixels.
+    #[arg(long, default_value = "800x900", value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub(crate) size: [u32; 2],
+    /// Which LOD, 0 the finest; full detail without, for a script.
+    #[arg(long)]
+    pub(crate) lod: Option<usize>,
+    /// Seed, for a script; its own without.
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Triangle budgets, for a script.
+    #[arg(long, value_delimiter = ',')]
+    pub(crate) budgets: Option<Vec<String>>,
+    /// Where the camera stands: degrees about the tree and above the horizon.
+    #[arg(long, default_value = "35,5", value_name = "TURN,HEIGHT", value_parser = angles, allow_hyphen_values = true)]
+    pub(crate) camera: [f32; 2],
+    /// Where the sun stands: degrees about the tree and above the horizon.
+    #[arg(long, default_value = "80,48", value_name = "TURN,HEIGHT", value_parser = angles, allow_hyphen_values = true)]
+    pub(crate) sun: [f32; 2],
+    /// Pictures of a turntable.
+    #[arg(long, default_value_t = 36, value_parser = clap::value_parser!(u16).range(2..=720))]
+    pub(crate) frames: u16,
+    /// Leave out sky and ground.
+    #[arg(long)]
+    pub(crate) transparent: bool,
+    /// How light is worked out.
+    #[arg(long, value_enum, default_value_t = Light::Product)]
+    pub(crate) light: Light,
+    /// What is shown of the trees.
+    #[arg(long, value_enum, default_value_t = Show::Lit)]
+    pub(crate) view: Show,
+    /// How trees are blended with their backdrop.
+    #[arg(long, value_enum, default_value_t = Blend::None)]
+    pub(crate) filter: Blend,
+    /// What draws: `auto` is the GPU (or its software driver) where there is one, else the CPU rasteriser.
+    #[arg(long, value_enum, default_value_t = Painter::Auto)]
+    pub(crate) renderer: Painter,
+    /// Replace a picture that is there.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// What `pleach render` draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum What {
+    /// One LOD.
+    Still,
+    /// All LODs side by side, the finest on the left.
+    Strip,
+    /// One LOD from all around.
+    Turntable,
+    /// Each tree, side by side in rows.
+    Sheet,
+    /// The foliage atlas on white.
+    Atlas,
+    /// The nine baked shadows: the vertical light's in the middle, the others around it.
+    Rose,
+}
+
+/// How light is worked out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Light {
+    /// Sun, sky and light through leaves, each with what stands in its way.
+    Product,
+    /// The sum of four factors of Candussi et al.
+    FourFactors,
+}
+
+/// What is shown of the trees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Show {
+    /// The picture.
+    Lit,
+    /// A colour for each LOD.
+    Lods,
+    /// Normals.
+    Normals,
+    /// Colour without light.
+    Albedo,
+    /// Layers over each pixel.
+    Overdraw,
+    /// Edges of triangles.
+    Wire,
+}
+
+/// How trees are blended with their backdrop (Candussi et al.).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Blend {
+    /// As drawn.
+    None,
+    /// Enlarged from a slightly smaller picture.
+    Bilinear,
+    /// Alpha is the mean of nine pixels'.
+    Alpha,
+    /// Both.
+    Combined,
+}
+
+/// What draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Painter {
+    /// The GPU if there is one.
+    Auto,
+    /// The GPU, or an error that says what to install.
+    Gpu,
+    /// The rasteriser that needs no driver.
+    Cpu,
+}
+
+/// Largest edge of a picture.
+const LARGEST_PICTURE: u32 = 16_384;
+
+/// Reads `800x900`.
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parts = text.split_once(['x', 'X']);
+    let numbers = parts.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
+    match numbers {
+        Some(size) if size.iter().all(|n| (1..=LARGEST_PICTURE).contains(n)) => Ok(size),
+        _ => Err(format!(
+            "expected pixels such as 800x900, each from 1 to {LARGEST_PICTURE}"
+        )),
+    }
+}
+
+/// Reads `35,5`.
+fn angles(text: &str) -> Result<[f32; 2], String> {
+    let parts = text.split_once(',');
+    let numbers = parts.and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    match numbers {
+        Some([turn, height]) if f32::is_finite(turn) && (-90.0..=90.0).contains(&height) => {
+            Ok([turn, height])
+        }
+        _ => Err("expected degrees such as 35,5, the second from -90 to 90".to_owned()),
+    }
 }
 
 /// Budgets as asked for on a command line: whether full detail leads, and the numbers.

@@ -7,6 +7,7 @@ mod evaluate;
 mod generate;
 mod inspect;
 mod progress;
+mod render;
 mod table;
 
 use clap::Parser as _;
@@ -100,6 +101,7 @@ pub fn main() -> ExitCode {
         args::Command::Batch(args) => batch::run(args),
         args::Command::Check(args) => check::run(args),
         args::Command::Inspect(args) => inspect::run(args),
+        args::Command::Render(args) => render::run(args),
     };
     match result {
         Ok(end) => end.into(),

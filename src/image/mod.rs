@@ -92,6 +92,23 @@ impl<P> Image<P> {
     }
 }
 
+impl<P: Copy> Image<P> {
+    /// A part of a plane.
+    ///
+    /// # Panics
+    /// If it reaches outside.
+    #[must_use]
+    pub fn part(&self, x: u32, y: u32, width: u32, height: u32) -> Self {
+        let columns = x as usize..(x + width) as usize;
+        let rows = (y..y + height).map(|row| row as usize * self.width as usize);
+        let texels = rows
+            .flat_map(|row| &self.texels[row + columns.start..row + columns.end])
+            .copied()
+            .collect();
+        Self::from_texels(width, height, texels)
+    }
+}
+
 /// What a surface is like at one point: everything a capture or a procedural texture knows there.
 /// Never lighting.
 #[derive(Clone, Copy, Debug, PartialEq)]

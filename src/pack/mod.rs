@@ -105,7 +105,7 @@ pub fn build(
             bytes: bytes.clone(),
         });
     }
-    let preview = crate::preview::picture(asset, &crate::preview::Settings::default());
+    let preview = crate::preview::picture(&asset.drawable(), &crate::preview::Settings::default());
     files.push(PackFile {
         path: "preview.png".to_owned(),
         bytes: png::encode(&preview)?,

@@ -3,12 +3,13 @@
 //! What a pack does not hold cannot be read: the real sizes of the captures in the atlas, the relief of the
 //! bark, and the tree itself. The tree grows again from the script and the seed.
 
-use super::manifest::SurfaceEntry;
+use super::manifest::{ShadowMapEntry, ShadowsEntry, SurfaceEntry};
 use super::{LodEntry, Manifest, gltf_read, read_manifest, verify};
-use crate::asset::Surface;
+use crate::asset::{Drawable, Surface};
 use crate::image::Image;
 use crate::image::png::PngTexel;
 use crate::mesh::Mesh;
+use crate::shadow::{self, ShadowMap, Shadows};
 use image::ImageDecoder as _;
 use image::codecs::png::PngDecoder;
 use std::fs;
@@ -35,6 +36,23 @@ pub struct PackContents {
     /// The bark. Its files hold neither alpha nor extra channels, so alpha and coverage are 255,
     /// translucency is 0 and the depth offset is 128, none.
     pub bark: Surface,
+    /// Nine soft ground shadows.
+    pub shadows: Shadows,
+}
+
+impl PackContents {
+    /// What the tree is drawn from.
+    #[must_use]
+    pub fn drawable(&self) -> Drawable<'_> {
+        let sizes = self.manifest.lods.iter().map(|l| l.screen_size);
+        Drawable {
+            lods: self.lods.iter().zip(sizes).collect(),
+            foliage: &self.foliage,
+            bark: &self.bark,
+            reliefs: &[],
+            shadows: &self.shadows,
+        }
+    }
 }
 
 /// Why a pack could not be read.
@@ -95,6 +113,7 @@ pub fn read(folder: &Path) -> Result<PackContents, ReadError> {
         lods,
         foliage: pack.foliage(&manifest.textures.foliage)?,
         bark: pack.bark(&manifest.textures.bark)?,
+        shadows: pack.shadows(&manifest.shadows)?,
         manifest,
     })
 }
@@ -184,6 +203,35 @@ impl Pack<'_> {
             normal: self.image(&entry.normal, entry.size)?,
             orm: self.image(&entry.orm, entry.size)?,
             extra: opaque.map(|_| BARK_EXTRA),
+        })
+    }
+
+    fn shadows(&self, entry: &ShadowsEntry) -> Result<Shadows, ReadError> {
+        if entry.maps.len() != shadow::COUNT {
+            let found = entry.maps.len();
+            let reason = format!("expected {} shadow maps, found {found}", shadow::COUNT);
+            return Err(self.fault("pack.json", reason));
+        }
+        // The maps lie in one picture: it is as large as they reach.
+        let reach = |of: usize| {
+            let ends = entry
+                .maps
+                .iter()
+                .map(|m| m.rect[of].saturating_add(m.rect[of + 2]));
+            ends.max().unwrap_or(0)
+        };
+        let all: Image<u8> = self.image(&entry.file, [reach(0), reach(1)])?;
+        let map = |m: &ShadowMapEntry| {
+            let [x, y, width, height] = m.rect;
+            ShadowMap {
+                direction: m.direction.into(),
+                image: all.part(x, y, width, height),
+                ground_rect_m: m.ground_rect_m,
+                trunk_base: m.trunk_base,
+            }
+        };
+        Ok(Shadows {
+            maps: entry.maps.iter().map(map).collect(),
         })
     }
 

@@ -1,0 +1,257 @@
+// Trees, drawn as instances of one LOD's mesh.
+
+struct Model {
+    // Middle of the crown and half of its edges, metres.
+    centre: vec4<f32>,
+    extent: vec4<f32>,
+    // Corner of the light volume, and one over its edges.
+    volume_origin: vec4<f32>,
+    volume_scale: vec4<f32>,
+    // Ground that each baked shadow covers: smallest x and z, largest x and z.
+    shadow_rects: array<vec4<f32>, 9>,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var shadow_map: texture_depth_2d;
+@group(0) @binding(2) var shadow_sampler: sampler_comparison;
+@group(0) @binding(3) var depth_sampler: sampler;
+
+@group(1) @binding(0) var<uniform> model: Model;
+@group(1) @binding(1) var smooth_sampler: sampler;
+// Part of the sky seen and of the first three of the nine lights; the next four; the last two.
+@group(1) @binding(2) var volume_a: texture_3d<f32>;
+@group(1) @binding(3) var volume_b: texture_3d<f32>;
+@group(1) @binding(4) var volume_c: texture_3d<f32>;
+
+@group(2) @binding(0) var albedo_map: texture_2d<f32>;
+@group(2) @binding(1) var normal_map: texture_2d<f32>;
+@group(2) @binding(2) var orm_map: texture_2d<f32>;
+@group(2) @binding(3) var extra_map: texture_2d<f32>;
+@group(2) @binding(4) var surface_sampler: sampler;
+
+struct Vertex {
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) tangent: vec4<f32>,
+    @location(3) uv: vec2<f32>,
+}
+
+struct Instance {
+    // Where the base stands, and the tree's size as a factor.
+    @location(6) place: vec4<f32>,
+    // Cosine and sine of its turn about +Y; its phase in the wind, 0..1; fade: above 0, the part of samples
+    // it has; below 0, the part it has of those that a LOD fading in leaves.
+    @location(7) turn: vec4<f32>,
+    // Factor on its colours.
+    @location(8) tint: vec4<f32>,
+    // Its LOD; how far the shadow map shades it, 0..1: large quads would shade one another.
+    @location(9) marks: vec4<f32>,
+}
+
+struct Varyings {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) world: vec3<f32>,
+    @location(1) local: vec3<f32>,
+    @location(2) normal: vec3<f32>,
+    @location(3) tangent: vec4<f32>,
+    @location(4) uv: vec2<f32>,
+    @location(5) @interpolate(flat) turn: vec4<f32>,
+    @location(6) @interpolate(flat) tint: vec3<f32>,
+    @location(7) @interpolate(flat) marks: vec4<f32>,
+}
+
+fn world_of(local: vec3<f32>, instance: Instance) -> vec3<f32> {
+    return instance.place.xyz + turned(local * instance.place.w, instance.turn.xy);
+}
+
+@vertex
+fn vs_tree(vertex: Vertex, instance: Instance) -> Varyings {
+    var out: Varyings;
+    out.world = world_of(vertex.position, instance);
+    out.clip = frame.view_projection * vec4<f32>(out.world, 1.0);
+    out.local = vertex.position;
+    out.normal = turned(vertex.normal, instance.turn.xy);
+    out.tangent = vec4<f32>(turned(vertex.tangent.xyz, instance.turn.xy), vertex.tangent.w);
+    out.uv = vertex.uv;
+    out.turn = instance.turn;
+    out.tint = instance.tint.rgb;
+    out.marks = instance.marks;
+    return out;
+}
+
+struct Covered {
+    @location(0) colour: vec4<f32>,
+    @builtin(sample_mask) samples: u32,
+}
+
+// The samples of a pixel that a surface of this alpha and fade has. As alpha to coverage, but which samples
+// differs from pixel to pixel, and one LOD fades out on just those where the next one fades in.
+fn samples_of(alpha: f32, fade: f32, pixel: vec2<f32>) -> u32 {
+    let count = u32(frame.clock.y);
+    let noise = pixel_noise(pixel);
+    var mask = 0u;
+    for (var i = 0u; i < count; i++) {
+        let step = (f32(i) + noise) / f32(count);
+        let other = fract(step * 7.0 + noise);
+        let kept = select(other >= (1.0 + fade), (other < fade), (fade > 0.0));
+        if alpha > step && kept {
+            mask |= 1u << i;
+        }
+    }
+    return mask;
+}
+
+// Alpha that is steep about the cutoff whatever the distance (Golus 2017, anti-aliased alpha test).
+fn sharpened(alpha: f32) -> f32 {
+    return saturate((alpha - 0.5) / max(fwidth(alpha), 1e-3) + 0.5);
+}
+
+// The mapped normal; on the back of a card it is mirrored in the card's plane, so that light from above
+// stays light from above.
+fn mapped_normal(in: Varyings, front: bool) -> vec3<f32> {
+    let texel = textureSample(normal_map, surface_sampler, in.uv).xyz * 2.0 - 1.0;
+    let n = normalize(in.normal);
+    let t = normalize(in.tangent.xyz - n * dot(n, in.tangent.xyz));
+    let b = cross(n, t) * in.tangent.w;
+    let side = select(-1.0, 1.0, front);
+    return normalize(t * texel.x + b * texel.y + n * (texel.z * side));
+}
+
+// Part of the sun that the shadow map lets through, and how far in front the occluder stands (x: lit, y:
+// nearness), soft over four by four texels.
+fn shadow_map_at(world: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    let texel = frame.sun.w;
+    if texel == 0.0 {
+        return vec3<f32>(1.0, 1.0, 0.0);
+    }
+    let lifted = world + (normal * 0.5 + frame.sun.xyz) * frame.clock.z;
+    let clip = frame.light_projection * vec4<f32>(lifted, 1.0);
+    let uv = clip.xy * vec2<f32>(0.5, -0.5) + 0.5;
+    let inside = all(uv > vec2<f32>(0.0)) && all(uv < vec2<f32>(1.0)) && clip.z > 0.0 && clip.z < 1.0;
+    var lit = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let step = vec2<f32>(f32(i & 1), f32(i >> 1u)) * 2.0 - 1.0;
+        lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + step * texel * 0.75, clip.z);
+    }
+    let occluder = textureSampleLevel(shadow_map, depth_sampler, uv, 0);
+    let behind = max(clip.z - occluder, 0.0);
+    return vec3<f32>(select(1.0, lit * 0.25, inside), exp(-behind * 20.0), select(0.0, 1.0, inside));
+}
+
+// What the light volume holds at a point: part of the sky, part of the sun.
+fn volume_at(local: vec3<f32>, turn: vec2<f32>) -> vec2<f32> {
+    let at = (local - model.volume_origin.xyz) * model.volume_scale.xyz;
+    let a = textureSampleLevel(volume_a, smooth_sampler, at, 0.0);
+    let b = textureSampleLevel(volume_b, smooth_sampler, at, 0.0);
+    let c = textureSampleLevel(volume_c, smooth_sampler, at, 0.0);
+    let shares = nine_shares(turned_back(frame.sun.xyz, turn));
+    let lit = shares.first.x * a.y + shares.first.y * a.z + shares.first.z * a.w
+        + shares.first.w * b.x + shares.second.x * b.y + shares.second.y * b.z + shares.second.z * b.w
+        + shares.second.w * c.x + shares.third * c.y;
+    return vec2<f32>(a.x, lit);
+}
+
+fn lit_colour(in: Varyings, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) -> vec3<f32> {
+    let orm = textureSample(orm_map, surface_sampler, in.uv).xyz;
+    let extra = textureSample(extra_map, surface_sampler, in.uv).xyz;
+    let outward = turned(normalize((in.local - model.centre.xyz) / model.extent.xyz + vec3<f32>(0.0, 1e-4, 0.0)),
+        in.turn.xy);
+    let volume = volume_at(in.local, in.turn.xy);
+    let shadow = shadow_map_at(in.world, normalize(in.normal));
+    var s: Surface;
+    s.albedo = albedo * in.tint;
+    s.normal = normalize(mix(mapped, outward, frame.sky_light.w * foliage));
+    s.outward = outward;
+    s.roughness = orm.y;
+    s.open = volume.x * mix(1.0, orm.x, 0.6);
+    s.lit = mix(volume.y, shadow.x, shadow.z * in.marks.y);
+    s.translucency = extra.x * frame.ground_light.w * foliage;
+    let to_eye = mix(-frame.forward.xyz, normalize(frame.eye.xyz - in.world), frame.eye.w);
+    if frame.modes.x == LIGHT_FOUR_FACTORS {
+        return light_four_factors(s, frame, shadow.y);
+    }
+    return light_product(s, frame, to_eye);
+}
+
+// A colour for each LOD, from the finest on.
+fn lod_colour(lod: f32) -> vec3<f32> {
+    let hue = fract(0.36 + lod * 0.17) * 6.0;
+    return 0.15 + 0.6 * saturate(abs(vec3<f32>(hue - 3.0, hue - 2.0, hue - 4.0)) * vec3<f32>(1.0, -1.0, -1.0)
+        + vec3<f32>(-1.0, 2.0, 2.0));
+}
+
+fn viewed(in: Varyings, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) -> vec3<f32> {
+    let lit = lit_colour(in, albedo, mapped, foliage);
+    switch frame.modes.y {
+        case VIEW_LOD: {
+            let grey = dot(lit, vec3<f32>(0.2126, 0.7152, 0.0722));
+            return lod_colour(in.marks.x) * (0.35 + 2.5 * grey);
+        }
+        case VIEW_NORMALS: {
+            return (mapped * 0.5 + 0.5) * 0.8;
+        }
+        case VIEW_ALBEDO: {
+            return albedo;
+        }
+        default: {
+            return lit;
+        }
+    }
+}
+
+@fragment
+fn fs_bark(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
+    let albedo = textureSample(albedo_map, surface_sampler, in.uv);
+    let colour = viewed(in, albedo.rgb, mapped_normal(in, front), 0.0);
+    let samples = samples_of(1.0, in.turn.w, in.clip.xy);
+    // Roots stay below the ground.
+    if samples == 0u || in.world.y < 0.0 {
+        discard;
+    }
+    return Covered(vec4<f32>(colour, 1.0), samples);
+}
+
+@fragment
+fn fs_foliage(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
+    let albedo = textureSample(albedo_map, surface_sampler, in.uv);
+    let alpha = sharpened(albedo.a);
+    let colour = viewed(in, albedo.rgb, mapped_normal(in, front), 1.0);
+    let samples = samples_of(alpha, in.turn.w, in.clip.xy);
+    if samples == 0u || in.world.y < 0.0 {
+        discard;
+    }
+    return Covered(vec4<f32>(colour, 1.0), samples);
+}
+
+// One layer of whatever covers the pixel: added up, they are the overdraw.
+@fragment
+fn fs_layer(in: Varyings) -> @location(0) vec4<f32> {
+    return vec4<f32>(0.06, 0.022, 0.008, 1.0);
+}
+
+// Edges of triangles, in the colour of their LOD.
+@fragment
+fn fs_wire(in: Varyings) -> @location(0) vec4<f32> {
+    return vec4<f32>(lod_colour(in.marks.x), 1.0);
+}
+
+struct Cast {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) uv: vec2<f32>,
+}
+
+// Depth from the sun.
+@vertex
+fn vs_cast(vertex: Vertex, instance: Instance) -> Cast {
+    var out: Cast;
+    out.clip = frame.light_projection * vec4<f32>(world_of(vertex.position, instance), 1.0);
+    out.uv = vertex.uv;
+    return out;
+}
+
+@fragment
+fn fs_cast(in: Cast) {
+    if textureSample(albedo_map, surface_sampler, in.uv).a < 0.5 {
+        discard;
+    }
+}

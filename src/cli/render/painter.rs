@@ -1,0 +1,227 @@
+//! What draws the pictures: the GPU where the build and the machine have one, else the CPU rasteriser.
+
+use super::super::Failure;
+use super::super::args::{Blend, Light, Painter, Render, Show};
+use crate::asset::Drawable;
+use crate::image::Image;
+use crate::math::Vec3;
+use crate::preview;
+
+/// One picture that is wanted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shot {
+    pub(super) size: [u32; 2],
+    pub(super) lod: usize,
+    /// Degrees about the tree and above the horizon.
+    pub(super) camera: [f32; 2],
+    sun: [f32; 2],
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "for the GPU alone"))]
+    look: Look,
+}
+
+/// What only the GPU can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Look {
+    transparent: bool,
+    light: Light,
+    view: Show,
+    filter: Blend,
+}
+
+impl Look {
+    const PLAIN: Self = Self {
+        transparent: false,
+        light: Light::Product,
+        view: Show::Lit,
+        filter: Blend::None,
+    };
+
+    fn of(args: &Render) -> Self {
+        Self {
+            transparent: args.transparent,
+            light: args.light,
+            view: args.view,
+            filter: args.filter,
+        }
+    }
+}
+
+impl Shot {
+    pub(super) fn of(args: &Render, lod: usize) -> Self {
+        Self {
+            size: args.size,
+            lod,
+            camera: args.camera,
+            sun: args.sun,
+            look: Look::of(args),
+        }
+    }
+
+    /// Toward the sun.
+    fn to_sun(self) -> Vec3 {
+        toward(self.sun)
+    }
+}
+
+/// Unit vector toward a point given by degrees about the tree, 0 being +Z, and above the horizon.
+fn toward([turn, height]: [f32; 2]) -> Vec3 {
+    let (side, front) = libm::sincosf(turn.to_radians());
+    let (up, level) = libm::sincosf(height.to_radians());
+    Vec3::new(side * level, up, front * level)
+}
+
+/// What draws.
+pub(super) enum Brush {
+    /// A device with the trees that were put on it.
+    #[cfg(feature = "gpu")]
+    Gpu(Box<gpu::Brush>),
+    /// The CPU rasteriser.
+    Cpu,
+}
+
+/// The brush that the command line and the machine allow.
+pub(super) fn brush(args: &Render) -> Result<Brush, Failure> {
+    if args.renderer == Painter::Cpu {
+        return cpu(args, "--renderer cpu");
+    }
+    #[cfg(feature = "gpu")]
+    match gpu::Brush::new() {
+        Ok(brush) => Ok(Brush::Gpu(Box::new(brush))),
+        Err(error) if super::insists(args) => Err(gpu::failure(&error)),
+        Err(error) => {
+            eprintln!("warning: {error}; drawing with the CPU rasteriser");
+            cpu(args, "a machine without a graphics driver")
+        }
+    }
+    #[cfg(not(feature = "gpu"))]
+    if super::insists(args) {
+        Err(Failure::usage(
+            "--renderer gpu: this build has no GPU renderer; build with `cargo build --release --features gpu`, or \
+             leave the option out for the CPU rasteriser",
+        ))
+    } else {
+        cpu(args, "a build without the feature `gpu`")
+    }
+}
+
+/// The CPU rasteriser, if it can do what is asked for.
+fn cpu(args: &Render, why: &str) -> Result<Brush, Failure> {
+    if Look::of(args) == Look::PLAIN {
+        return Ok(Brush::Cpu);
+    }
+    Err(Failure::usage(format!(
+        "{why} draws with the CPU rasteriser, which knows no --transparent, --light, --view or --filter; leave \
+         them out, or build with the feature `gpu`"
+    )))
+}
+
+impl Brush {
+    /// Draws one picture, framed around the tree.
+    pub(super) fn paint(
+        &mut self,
+        tree: &Drawable<'_>,
+        shot: &Shot,
+    ) -> Result<Image<[u8; 4]>, Failure> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(brush) => brush.paint(tree, shot).map_err(|e| gpu::failure(&e)),
+            Self::Cpu => {
+                let settings = preview::Settings {
+                    size: shot.size,
+                    lod: shot.lod,
+                    azimuth: shot.camera[0].to_radians(),
+                    elevation: shot.camera[1].to_radians(),
+                    sun: shot.to_sun(),
+                    ..preview::Settings::default()
+                };
+                let picture = preview::picture(tree, &settings);
+                Ok(picture.map(|&[r, g, b]| [r, g, b, 255]))
+            }
+        }
+    }
+
+    /// Lets go of the tree that was drawn last: another one comes.
+    pub(super) fn forget(&mut self) {
+        #[cfg(feature = "gpu")]
+        if let Self::Gpu(brush) = self {
+            brush.forget();
+        }
+    }
+}
+
+#[cfg(feature = "gpu")]
+mod gpu {
+    use super::super::super::Failure;
+    use super::super::super::args::{Blend, Light, Show};
+    use super::Shot;
+    use crate::asset::Drawable;
+    use crate::gpu::{Gpu, GpuError};
+    use crate::image::Image;
+    use crate::math::float;
+    use crate::render::{self, Filter, LightMode, Orbit, Renderer, Scene, Setting, ViewMode};
+
+    /// A device with the tree that was drawn last.
+    pub(in super::super) struct Brush {
+        renderer: Renderer,
+    }
+
+    pub(in super::super) fn failure(error: &GpuError) -> Failure {
+        if error.is_worth_another_try() {
+            Failure::machine(error)
+        } else {
+            Failure::input(error)
+        }
+    }
+
+    impl Brush {
+        pub(in super::super) fn new() -> Result<Self, GpuError> {
+            let gpu = Gpu::headless()?;
+            eprintln!("drawing with {}", gpu.describe());
+            let renderer = Renderer::new(&gpu, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+            Ok(Self { renderer })
+        }
+
+        pub(in super::super) fn forget(&mut self) {
+            self.renderer.clear();
+        }
+
+        pub(super) fn paint(
+            &mut self,
+            tree: &Drawable<'_>,
+            shot: &Shot,
+        ) -> Result<Image<[u8; 4]>, GpuError> {
+            if self.renderer.models().is_empty() {
+                self.renderer.add(tree)?;
+            }
+            let hull = &self.renderer.models()[0].hull;
+            let aspect = float(shot.size[0]) / float(shot.size[1]);
+            let [turn, height] = shot.camera.map(f32::to_radians);
+            let orbit = Orbit::around(hull, turn, height, render::PORTRAIT, aspect);
+            let mut scene = Scene::of_one(orbit.camera(), 0, shot.lod);
+            scene.setting = Setting {
+                sun: shot.to_sun(),
+                backdrop: !shot.look.transparent,
+                light: match shot.look.light {
+                    Light::Product => LightMode::Product,
+                    Light::FourFactors => LightMode::FourFactors,
+                },
+                ..Setting::default()
+            };
+            scene.view = match shot.look.view {
+                Show::Lit => ViewMode::Lit,
+                Show::Lods => ViewMode::Lods,
+                Show::Normals => ViewMode::Normals,
+                Show::Albedo => ViewMode::Albedo,
+                Show::Overdraw => ViewMode::Overdraw,
+                Show::Wire => ViewMode::Wire,
+            };
+            scene.filter = match shot.look.filter {
+                Blend::None => Filter::None,
+                Blend::Bilinear => Filter::Bilinear,
+                Blend::Alpha => Filter::Alpha,
+                Blend::Combined => Filter::Combined,
+            };
+            self.renderer.picture(&scene, shot.size)
+        }
+    }
+}

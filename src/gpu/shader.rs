@@ -1,0 +1,56 @@
+//! The shaders, as text: a module is a list of files under `shaders/`, joined.
+//!
+//! Files that other files build upon hold functions and structs only, so that they can be ported one by one.
+
+/// One shader module: its name and the files that it is joined from.
+#[derive(Clone, Copy, Debug)]
+pub struct Source {
+    /// Name in error messages.
+    pub name: &'static str,
+    /// Texts, in order.
+    pub files: &'static [&'static str],
+}
+
+const FRAME: &str = include_str!("../../shaders/frame.wgsl");
+const LIGHT: &str = include_str!("../../shaders/light.wgsl");
+const TREE: &str = include_str!("../../shaders/tree.wgsl");
+const GROUND: &str = include_str!("../../shaders/ground.wgsl");
+const PRESENT: &str = include_str!("../../shaders/present.wgsl");
+
+/// Trees: colour, depth for the shadow map, and the views that show how they are made.
+pub const TREES: Source = Source {
+    name: "trees",
+    files: &[FRAME, LIGHT, TREE],
+};
+
+/// Sky, ground, and the baked shadows on it.
+pub const GROUNDS: Source = Source {
+    name: "ground",
+    files: &[FRAME, LIGHT, GROUND],
+};
+
+/// From linear light to the screen, with the filters.
+pub const PRESENTS: Source = Source {
+    name: "present",
+    files: &[FRAME, PRESENT],
+};
+
+/// All modules.
+pub const ALL: [Source; 3] = [TREES, GROUNDS, PRESENTS];
+
+impl Source {
+    /// The whole text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        self.files.join("\n")
+    }
+
+    /// The module on a device.
+    #[must_use]
+    pub fn module(&self, device: &wgpu::Device) -> wgpu::ShaderModule {
+        device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(self.name),
+            source: wgpu::ShaderSource::Wgsl(self.text().into()),
+        })
+    }
+}

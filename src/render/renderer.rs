@@ -1,0 +1,622 @@
+//! One frame: shadow map, ground shadows, backdrop, trees, and the way to the screen.
+
+use super::binding::group;
+use super::camera::Lens;
+use super::model::{Lod, Model, Part, extent};
+use super::pipelines::Pipelines;
+use super::scene::{Filter, Group, LightMode, Scene, ViewMode};
+use super::targets::{DEPTH, Targets};
+use super::uniforms::{Frame, Instance};
+use crate::asset::Drawable;
+use crate::gpu::{Gpu, GpuError, Readback};
+use crate::image::Image;
+use crate::math::{Bounds, PI, Vec3, float};
+use glam::{Mat4, Vec4};
+use wgpu::util::DeviceExt as _;
+
+/// Samples of a pixel.
+const SAMPLES: u32 = 4;
+
+/// Texels along the shadow map's edge.
+const SHADOW_MAP: u32 = 2048;
+
+/// Edge of the auxiliary picture of the bilinear filter, as a part of the screen's ("slightly smaller",
+/// Candussi et al., section 2.3).
+const AUXILIARY: f32 = 0.85;
+
+/// Linear colours of a clear day.
+const SUN: Vec3 = Vec3::new(7.4, 6.75, 5.6);
+const SKY: Vec3 = Vec3::new(0.62, 0.78, 1.05);
+const FROM_GROUND: Vec3 = Vec3::new(0.40, 0.38, 0.24);
+const ZENITH: Vec3 = Vec3::new(0.13, 0.30, 0.66);
+const HORIZON: Vec3 = Vec3::new(0.62, 0.74, 0.86);
+
+/// Draws scenes.
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Gpu,
+    pipelines: Pipelines,
+    models: Vec<Model>,
+    targets: Option<Targets>,
+    frame: wgpu::Buffer,
+    shadow_map: wgpu::TextureView,
+    frame_group: wgpu::BindGroup,
+    cast_group: wgpu::BindGroup,
+    sampler: wgpu::Sampler,
+    output: wgpu::TextureFormat,
+}
+
+impl Renderer {
+    /// A renderer for pictures of this format.
+    ///
+    /// # Errors
+    /// What the driver says of its pipelines.
+    pub fn new(gpu: &Gpu, output: wgpu::TextureFormat) -> Result<Self, GpuError> {
+        let device = &gpu.device;
+        let pipelines = Pipelines::new(device, SAMPLES, output);
+        let frame = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("frame"),
+            size: size_of::<Frame>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let shadow_map = device
+            .create_texture(&wgpu::TextureDescriptor {
+                label: Some("shadow map"),
+                size: extent(SHADOW_MAP, SHADOW_MAP, 1),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: DEPTH,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                    | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+            .create_view(&wgpu::TextureViewDescriptor::default());
+        let sampler = |filter, compare| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: filter,
+                min_filter: filter,
+                compare,
+                ..wgpu::SamplerDescriptor::default()
+            })
+        };
+        let linear = wgpu::FilterMode::Linear;
+        let comparison = sampler(linear, Some(wgpu::CompareFunction::LessEqual));
+        let nearest = sampler(wgpu::FilterMode::Nearest, None);
+        let frame_group = group(
+            device,
+            &pipelines.frame,
+            &[
+                (0, frame.as_entire_binding()),
+                (1, wgpu::BindingResource::TextureView(&shadow_map)),
+                (2, wgpu::BindingResource::Sampler(&comparison)),
+                (3, wgpu::BindingResource::Sampler(&nearest)),
+            ],
+        );
+        let cast_group = group(
+            device,
+            &pipelines.cast_frame,
+            &[(0, frame.as_entire_binding())],
+        );
+        let sampler = sampler(linear, None);
+        gpu.check()?;
+        Ok(Self {
+            gpu: gpu.clone(),
+            pipelines,
+            models: Vec::new(),
+            targets: None,
+            frame,
+            shadow_map,
+            frame_group,
+            cast_group,
+            sampler,
+            output,
+        })
+    }
+
+    /// Puts a tree on the device; the answer is its index in [`Group::model`].
+    ///
+    /// # Errors
+    /// If the adapter cannot take it.
+    pub fn add(&mut self, source: &Drawable<'_>) -> Result<usize, GpuError> {
+        let model = Model::new(&self.gpu, &self.pipelines.layouts, source)?;
+        self.gpu.check()?;
+        self.models.push(model);
+        Ok(self.models.len() - 1)
+    }
+
+    /// Forgets all trees.
+    pub fn clear(&mut self) {
+        self.models.clear();
+    }
+
+    /// The trees on the device.
+    #[must_use]
+    pub fn models(&self) -> &[Model] {
+        &self.models
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// A picture of a scene: sRGB, with straight alpha.
+    ///
+    /// # Errors
+    /// If the size is more than the adapter allows, or the device fails.
+    pub fn picture(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Image<[u8; 4]>, GpuError> {
+        self.gpu.check_edge("a picture", size[0].max(size[1]))?;
+        let texture = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("picture"),
+            size: extent(size[0].max(1), size[1].max(1), 1),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: self.output,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = self.draw(scene, &view, size)?;
+        let readback = Readback::record(&self.gpu, &mut encoder, &texture);
+        self.gpu.queue.submit([encoder.finish()]);
+        readback.wait(&self.gpu)
+    }
+
+    /// The commands that draw a scene into a picture of this size; to be submitted. Nothing is drawn into a
+    /// picture without pixels, as a window without height has one.
+    ///
+    /// # Errors
+    /// If the size is more than the adapter allows.
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        output: &wgpu::TextureView,
+        size: [u32; 2],
+    ) -> Result<wgpu::CommandEncoder, GpuError> {
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("frame"),
+            });
+        if size.contains(&0) {
+            return Ok(encoder);
+        }
+        let inner = inner_size(size, scene.filter);
+        let targets = match self.targets.take().filter(|t| t.size == inner) {
+            Some(targets) => targets,
+            None => Targets::new(&self.gpu, inner, SAMPLES)?,
+        };
+        let uniforms = self.uniforms(scene, inner);
+        self.gpu
+            .queue
+            .write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
+        let drawn = self.drawn(scene);
+        if scene.setting.shadow_map {
+            self.cast(&mut encoder, &drawn);
+        }
+        self.backdrop(&mut encoder, &targets, scene, &drawn);
+        self.trees(&mut encoder, &targets, scene.view, &drawn);
+        self.present(&mut encoder, &targets, output);
+        self.targets = Some(targets);
+        Ok(encoder)
+    }
+
+    /// Groups with their models, and their trees on the device; groups of what does not exist are left out.
+    fn drawn<'s>(&'s self, scene: &'s Scene) -> Vec<Drawn<'s>> {
+        let drawn = |group: &'s Group| {
+            let model = self.models.get(group.model)?;
+            let lod = model.lods.get(group.lod)?;
+            let count = u32::try_from(group.trees.len()).ok().filter(|&n| n > 0)?;
+            let mut trees = group.trees.clone();
+            #[expect(clippy::cast_precision_loss, reason = "a handful of LODs")]
+            let index = group.lod as f32;
+            for tree in &mut trees {
+                tree.marks[..2].copy_from_slice(&[index, lod.crisp]);
+            }
+            let instances = self
+                .gpu
+                .device
+                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some("trees"),
+                    contents: bytemuck::cast_slice(&trees),
+                    usage: wgpu::BufferUsages::VERTEX,
+                });
+            Some(Drawn {
+                model,
+                lod,
+                instances,
+                count,
+            })
+        };
+        scene.groups.iter().filter_map(drawn).collect()
+    }
+
+    fn uniforms(&self, scene: &Scene, [width, height]: [u32; 2]) -> Frame {
+        let (setting, camera) = (&scene.setting, &scene.camera);
+        let [w, h] = [width, height].map(float);
+        let projection = camera.view_projection(w / h);
+        let sun = setting.sun.normalize_or(Vec3::Y);
+        let bounds = self.bounds_of(&scene.groups);
+        let (light, reach) = light_projection(&bounds, sun);
+        let perspective = matches!(camera.lens, Lens::Perspective(_));
+        let up = sun.y.max(0.0);
+        // A low sun is redder, and the sky dims with it.
+        let warm = Vec3::new(1.0, 0.72 + 0.28 * up.sqrt(), 0.42 + 0.58 * up.sqrt());
+        let day = (0.25 + 0.75 * (up * 3.0).min(1.0)) * setting.sky_strength;
+        let sunlight = SUN * warm * setting.sun_strength * (sun.y * 8.0).clamp(0.0, 1.0);
+        let wind = scene.wind.direction.normalize_or(glam::Vec2::X);
+        let unit = if setting.shadow_map {
+            1.0 / float(SHADOW_MAP)
+        } else {
+            0.0
+        };
+        Frame {
+            view_projection: projection.to_cols_array_2d(),
+            inverse_view_projection: projection.inverse().to_cols_array_2d(),
+            light_projection: light.to_cols_array_2d(),
+            eye: camera
+                .eye
+                .extend(if perspective { 1.0 } else { 0.0 })
+                .to_array(),
+            forward: camera.forward().extend(setting.exposure).to_array(),
+            sun: sun.extend(unit).to_array(),
+            sun_light: sunlight.extend(setting.ground_shadows).to_array(),
+            sky_light: (SKY * day).extend(setting.roundness).to_array(),
+            ground_light: (FROM_GROUND * day).extend(setting.translucency).to_array(),
+            zenith: (ZENITH * day).extend(0.0).to_array(),
+            horizon: (HORIZON * day)
+                .extend(bounds.size().length().max(1.0) * 12.0)
+                .to_array(),
+            ground: setting
+                .ground
+                .extend(if setting.backdrop { 1.0 } else { 0.0 })
+                .to_array(),
+            wind: [wind.x, wind.y, scene.wind.speed, scene.wind.gustiness],
+            clock: [
+                scene.time,
+                float(SAMPLES),
+                reach * 3.0 / float(SHADOW_MAP),
+                AUXILIARY,
+            ],
+            viewport: [w, h, 1.0 / w, 1.0 / h],
+            modes: [
+                light_code(setting.light),
+                view_code(scene.view),
+                filter_code(scene.filter),
+                0,
+            ],
+        }
+    }
+
+    /// Bounds of all trees of the scene.
+    fn bounds_of(&self, groups: &[Group]) -> Bounds {
+        let mut all = Bounds::EMPTY;
+        for group in groups {
+            let Some(model) = self.models.get(group.model) else {
+                continue;
+            };
+            let radius = model
+                .bounds
+                .corners()
+                .map(|c| Vec3::new(c.x, 0.0, c.z).length());
+            let radius = radius.into_iter().fold(0.0, f32::max);
+            let [low, high] = [model.bounds.min.y, model.bounds.max.y];
+            for tree in &group.trees {
+                let [x, y, z, size] = tree.place;
+                let at = Vec3::new(x, y, z);
+                all = all
+                    .with_point(at + Vec3::new(-radius, low, -radius) * size)
+                    .with_point(at + Vec3::new(radius, high, radius) * size);
+            }
+        }
+        if all.is_empty() {
+            return Bounds {
+                min: Vec3::ZERO,
+                max: Vec3::ONE,
+            };
+        }
+        all
+    }
+
+    fn cast(&self, encoder: &mut wgpu::CommandEncoder, drawn: &[Drawn<'_>]) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("shadow map"),
+            depth_stencil_attachment: Some(depth_attachment(&self.shadow_map, 1.0)),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        pass.set_bind_group(0, &self.cast_group, &[]);
+        for tree in drawn {
+            pass.set_pipeline(&self.pipelines.bark_cast);
+            tree.draw(&mut pass, tree.lod.bark.as_ref(), &tree.model.bark);
+            pass.set_pipeline(&self.pipelines.foliage_cast);
+            tree.draw(&mut pass, tree.lod.foliage.as_ref(), &tree.model.foliage);
+        }
+    }
+
+    fn backdrop(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        scene: &Scene,
+        drawn: &[Drawn<'_>],
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("ground shadows"),
+            color_attachments: &[Some(colour_attachment(
+                &targets.ground,
+                None,
+                wgpu::Color::WHITE,
+            ))],
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        if scene.setting.backdrop {
+            pass.set_pipeline(&self.pipelines.patches);
+            pass.set_bind_group(0, &self.cast_group, &[]);
+            for tree in drawn {
+                pass.set_bind_group(1, &tree.model.ground_group, &[]);
+                pass.set_vertex_buffer(0, tree.instances.slice(..));
+                pass.draw(0..6, 0..tree.count);
+            }
+        }
+        drop(pass);
+        let ground = group(
+            &self.gpu.device,
+            &self.pipelines.ground_frame,
+            &[
+                (0, self.frame.as_entire_binding()),
+                (4, wgpu::BindingResource::TextureView(&targets.ground)),
+            ],
+        );
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("backdrop"),
+            color_attachments: &[Some(colour_attachment(
+                &targets.backdrop,
+                None,
+                wgpu::Color::TRANSPARENT,
+            ))],
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        let plain = matches!(scene.view, ViewMode::Overdraw | ViewMode::Wire);
+        if scene.setting.backdrop && !plain {
+            pass.set_pipeline(&self.pipelines.backdrop);
+            pass.set_bind_group(0, &ground, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+
+    fn trees(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        view: ViewMode,
+        drawn: &[Drawn<'_>],
+    ) {
+        let (target, resolve) = match &targets.samples {
+            Some(samples) => (samples, Some(&targets.trees)),
+            None => (&targets.trees, None),
+        };
+        let clear = match view {
+            ViewMode::Overdraw | ViewMode::Wire => wgpu::Color::BLACK,
+            _ => wgpu::Color::TRANSPARENT,
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("trees"),
+            color_attachments: &[Some(colour_attachment(target, resolve, clear))],
+            depth_stencil_attachment: Some(depth_attachment(&targets.depth, 0.0)),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        let (bark, foliage) = match view {
+            ViewMode::Overdraw => (&self.pipelines.layers, &self.pipelines.layers),
+            ViewMode::Wire => (&self.pipelines.wires, &self.pipelines.wires),
+            _ => (&self.pipelines.bark, &self.pipelines.foliage),
+        };
+        pass.set_bind_group(0, &self.frame_group, &[]);
+        for tree in drawn {
+            let edges = view == ViewMode::Wire;
+            for (pipeline, part, material) in [
+                (bark, &tree.lod.bark, &tree.model.bark),
+                (foliage, &tree.lod.foliage, &tree.model.foliage),
+            ] {
+                pass.set_pipeline(pipeline);
+                if edges {
+                    tree.draw_edges(&mut pass, part.as_ref(), material);
+                } else {
+                    tree.draw(&mut pass, part.as_ref(), material);
+                }
+            }
+        }
+    }
+
+    fn present(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) {
+        let pictures = group(
+            &self.gpu.device,
+            &self.pipelines.pictures,
+            &[
+                (0, wgpu::BindingResource::TextureView(&targets.trees)),
+                (1, wgpu::BindingResource::TextureView(&targets.backdrop)),
+                (2, wgpu::BindingResource::Sampler(&self.sampler)),
+            ],
+        );
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("present"),
+            color_attachments: &[Some(colour_attachment(
+                output,
+                None,
+                wgpu::Color::TRANSPARENT,
+            ))],
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(&self.pipelines.present);
+        pass.set_bind_group(0, &self.cast_group, &[]);
+        pass.set_bind_group(1, &pictures, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// A group ready to be drawn.
+struct Drawn<'s> {
+    model: &'s Model,
+    lod: &'s Lod,
+    instances: wgpu::Buffer,
+    count: u32,
+}
+
+impl Drawn<'_> {
+    fn bind(&self, pass: &mut wgpu::RenderPass<'_>, part: &Part, material: &wgpu::BindGroup) {
+        pass.set_bind_group(1, &self.model.group, &[]);
+        pass.set_bind_group(2, material, &[]);
+        pass.set_vertex_buffer(0, part.vertices.slice(..));
+        pass.set_vertex_buffer(1, self.instances.slice(..));
+    }
+
+    fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        part: Option<&Part>,
+        material: &wgpu::BindGroup,
+    ) {
+        if let Some(part) = part {
+            self.bind(pass, part, material);
+            pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..part.count, 0, 0..self.count);
+        }
+    }
+
+    fn draw_edges(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        part: Option<&Part>,
+        material: &wgpu::BindGroup,
+    ) {
+        if let Some(part) = part {
+            self.bind(pass, part, material);
+            pass.set_index_buffer(part.edges.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..part.count * 2, 0, 0..self.count);
+        }
+    }
+}
+
+fn colour_attachment<'v>(
+    view: &'v wgpu::TextureView,
+    resolve_target: Option<&'v wgpu::TextureView>,
+    clear: wgpu::Color,
+) -> wgpu::RenderPassColorAttachment<'v> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target,
+        ops: wgpu::Operations {
+            load: wgpu::LoadOp::Clear(clear),
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}
+
+fn depth_attachment(
+    view: &wgpu::TextureView,
+    clear: f32,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load: wgpu::LoadOp::Clear(clear),
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}
+
+/// Size of the auxiliary picture.
+fn inner_size(size: [u32; 2], filter: Filter) -> [u32; 2] {
+    match filter {
+        Filter::None | Filter::Alpha => size,
+        Filter::Bilinear | Filter::Combined => {
+            size.map(|n| crate::math::round_to_u32(float(n) * AUXILIARY).max(1))
+        }
+    }
+}
+
+/// World to the shadow map for a sun, and the edge in metres of what it shows.
+fn light_projection(bounds: &Bounds, sun: Vec3) -> (Mat4, f32) {
+    let side = if sun.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
+    let right = side.cross(sun).normalize_or(Vec3::X);
+    let up = sun.cross(right);
+    let centre = bounds.centre();
+    let spread = |axis: Vec3| {
+        let reach = bounds.corners().map(|c| (c - centre).dot(axis).abs());
+        reach.into_iter().fold(1e-3, f32::max)
+    };
+    let half = spread(right).max(spread(up)) * 1.02;
+    let deep = spread(sun) * 1.02;
+    let row = |axis: Vec3, scale: f32, shift: f32| {
+        (axis * scale).extend(shift - axis.dot(centre) * scale)
+    };
+    let matrix = Mat4::from_cols(
+        row(right, 1.0 / half, 0.0),
+        row(up, 1.0 / half, 0.0),
+        // 0 is nearest to the sun.
+        row(-sun, 0.5 / deep, 0.5),
+        Vec4::W,
+    );
+    (matrix.transpose(), 2.0 * half)
+}
+
+fn light_code(mode: LightMode) -> u32 {
+    match mode {
+        LightMode::Product => 0,
+        LightMode::FourFactors => 1,
+    }
+}
+
+fn view_code(view: ViewMode) -> u32 {
+    match view {
+        ViewMode::Lit => 0,
+        ViewMode::Lods => 1,
+        ViewMode::Normals => 2,
+        ViewMode::Albedo => 3,
+        ViewMode::Overdraw => 4,
+        ViewMode::Wire => 5,
+    }
+}
+
+fn filter_code(filter: Filter) -> u32 {
+    match filter {
+        Filter::None => 0,
+        Filter::Alpha => 1,
+        Filter::Bilinear => 2,
+        Filter::Combined => 3,
+    }
+}
+
+impl Scene {
+    /// One tree at the origin.
+    #[must_use]
+    pub fn of_one(camera: super::camera::Camera, model: usize, lod: usize) -> Self {
+        Self {
+            camera,
+            setting: super::scene::Setting::default(),
+            wind: super::scene::Wind::default(),
+            time: 0.0,
+            view: ViewMode::Lit,
+            filter: Filter::None,
+            groups: vec![Group {
+                model,
+                lod,
+                trees: vec![Instance::at(Vec3::ZERO, 0.0, 1.0)],
+            }],
+        }
+    }
+}
+
+/// Angle of view of a camera that is to show a tree as a photographer would, radians.
+pub const PORTRAIT: f32 = 0.18 * PI;

@@ -1,0 +1,68 @@
+//! Every shader is valid, and its structs lie in memory as ours do; no GPU is needed to see it.
+
+#![cfg(feature = "gpu")]
+
+use core::mem::{offset_of, size_of};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use pleach::gpu::shader::{self, Source};
+use pleach::render::uniforms::{Frame, Model};
+
+fn parsed(source: &Source) -> naga::Module {
+    let text = source.text();
+    match naga::front::wgsl::parse_str(&text) {
+        Ok(module) => module,
+        Err(e) => panic!("{}: {}", source.name, e.emit_to_string(&text)),
+    }
+}
+
+#[test]
+fn every_shader_is_valid() {
+    for source in &shader::ALL {
+        let module = parsed(source);
+        let mut validator =
+            Validator::new(ValidationFlags::all(), Capabilities::MULTISAMPLED_SHADING);
+        if let Err(e) = validator.validate(&module) {
+            panic!("{}: {}", source.name, e.emit_to_string(&source.text()));
+        }
+        assert!(!module.entry_points.is_empty(), "{}", source.name);
+    }
+}
+
+/// Offsets of a struct's members by name, and its size.
+fn layout_of(source: &Source, name: &str) -> (Vec<(String, u32)>, u32) {
+    let module = parsed(source);
+    let found = module
+        .types
+        .iter()
+        .find(|(_, t)| t.name.as_deref() == Some(name));
+    let Some((_, found)) = found else {
+        panic!("{} has no struct {name}", source.name);
+    };
+    let naga::TypeInner::Struct { members, span } = &found.inner else {
+        panic!("{name} is no struct");
+    };
+    let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset);
+    (members.iter().map(member).collect(), *span)
+}
+
+macro_rules! members {
+    ($type:ty: $($name:ident)*) => {
+        (
+            vec![$((stringify!($name).to_owned(), u32::try_from(offset_of!($type, $name)).unwrap())),*],
+            u32::try_from(size_of::<$type>()).unwrap(),
+        )
+    };
+}
+
+#[test]
+fn structs_lie_in_memory_as_the_shaders_read_them() {
+    let frame = members!(Frame: view_projection inverse_view_projection light_projection eye forward
+        sun sun_light sky_light ground_light zenith horizon ground wind clock viewport modes);
+    for source in &shader::ALL {
+        assert_eq!(layout_of(source, "Frame"), frame, "{}", source.name);
+    }
+    let model = members!(Model: centre extent volume_origin volume_scale shadow_rects);
+    for source in [&shader::TREES, &shader::GROUNDS] {
+        assert_eq!(layout_of(source, "Model"), model, "{}", source.name);
+    }
+}
