@@ -106,6 +106,13 @@ fn sharpened(alpha: f32) -> f32 {
     return saturate((alpha - 0.5) / max(fwidth(alpha), 1e-3) + 0.5);
 }
 
+// Large quads fade as they turn their edge to the eye, where they would be seen as lines.
+fn edge_on(in: Varyings) -> f32 {
+    let to_eye = mix(-frame.forward.xyz, normalize(frame.eye.xyz - in.world), frame.eye.w);
+    let facing = abs(dot(normalize(in.normal), to_eye));
+    return mix(smoothstep(0.04, 0.3, facing), 1.0, in.marks.y);
+}
+
 // The mapped normal; on the back of a card it is mirrored in the card's plane, so that light from above
 // stays light from above.
 fn mapped_normal(in: Varyings, front: bool) -> vec3<f32> {
@@ -214,7 +221,7 @@ fn fs_bark(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
 @fragment
 fn fs_foliage(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
     let albedo = textureSample(albedo_map, surface_sampler, in.uv);
-    let alpha = sharpened(albedo.a);
+    let alpha = sharpened(albedo.a) * edge_on(in);
     let colour = viewed(in, albedo.rgb, mapped_normal(in, front), 1.0);
     let samples = samples_of(alpha, in.turn.w, in.clip.xy);
     if samples == 0u || in.world.y < 0.0 {

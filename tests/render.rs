@@ -1,0 +1,516 @@
+//! What the GPU draws, on whatever adapter there is. Without one, these tests show as ignored; with
+//! `PLEACH_REQUIRE_GPU=1` that is a failure.
+
+mod common;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use pleach::asset::TreeAsset;
+use pleach::gpu::{Gpu, GpuError};
+use pleach::image::{Image, png};
+use pleach::math::Vec3;
+use pleach::measure::flip;
+use pleach::pipeline::{self, Settings};
+use pleach::render::{Filter, Instance, LightMode, Orbit, PORTRAIT, Renderer, Scene, ViewMode};
+use pleach::report::Quiet;
+use pleach::species::{self, Beside};
+use pleach::{capture, shadow};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::OnceLock;
+
+type Outcome = Result<(), Failed>;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let adapter = Gpu::headless();
+    let required = std::env::var_os("PLEACH_REQUIRE_GPU").is_some();
+    let reason = match &adapter {
+        Ok(gpu) => {
+            eprintln!("drawing with {}", gpu.describe());
+            None
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            Some(error.to_string())
+        }
+    };
+    let tests: [(&str, fn() -> Outcome); 13] = [
+        ("a_scene_gives_the_same_picture_twice", same_picture_twice),
+        ("pictures_look_as_they_did", pictures_look_as_they_did),
+        ("the_tree_covers_what_the_rasteriser_says", covers_the_same),
+        ("far_lods_look_like_full_detail_where_they_are_shown", lods_look_alike),
+        ("shares_of_the_nine_shadows_are_the_librarys", shares_agree),
+        ("the_ground_is_dark_where_the_baked_shadow_lies", ground_shadow),
+        ("trees_alone_stand_on_nothing", transparent),
+        ("filters_soften_edges_and_keep_the_covered_area", filters),
+        ("the_sum_of_four_factors_lights_the_side_of_the_sun", four_factors),
+        ("every_view_shows_the_tree", views),
+        ("a_window_without_height_draws_nothing", no_height),
+        ("what_the_adapter_cannot_take_is_refused_in_words", too_large),
+        ("a_lost_device_is_told_and_not_a_panic", lost),
+    ];
+    let trials = tests
+        .into_iter()
+        .map(|(name, test)| {
+            let trial = match (&reason, required) {
+                (Some(reason), true) => {
+                    let reason = reason.clone();
+                    Trial::test(name, move || Err(reason.into()))
+                }
+                _ => Trial::test(name, test),
+            };
+            let ignored = reason.is_some() && !required;
+            trial
+                .with_kind(if ignored { "no graphics adapter" } else { "" })
+                .with_ignored_flag(ignored)
+        })
+        .collect();
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn grown(name: &str) -> TreeAsset {
+    let path = root().join("species").join(name);
+    let text = std::fs::read_to_string(&path).expect("species can be read");
+    let files = Beside(root().join("species"));
+    let species = species::parse(name, &text, &files).expect("species has no faults");
+    let settings = Settings {
+        full: true,
+        captures: capture::Settings {
+            atlas_size: 512,
+            ..capture::Settings::default()
+        },
+        bark_size: 128,
+        shadows: shadow::Settings {
+            size: 128,
+            ..shadow::Settings::default()
+        },
+        ..Settings::default()
+    };
+    pipeline::generate(&species, &settings, &files, &Quiet).expect("species grows")
+}
+
+/// The species that all but one of these tests draw; the cheapest.
+fn palm() -> &'static TreeAsset {
+    static PALM: OnceLock<TreeAsset> = OnceLock::new();
+    PALM.get_or_init(|| grown("palm.ron"))
+}
+
+const SIZE: [u32; 2] = [160, 200];
+
+fn renderer(asset: &TreeAsset) -> Result<Renderer, GpuError> {
+    let mut renderer = Renderer::new(&Gpu::headless()?, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+    renderer.add(&asset.drawable())?;
+    Ok(renderer)
+}
+
+fn scene(renderer: &Renderer, lod: usize) -> Scene {
+    let orbit = Orbit::around(&renderer.models()[0].hull, 0.6, 0.1, PORTRAIT, 0.8);
+    Scene::of_one(orbit.camera(), 0, lod)
+}
+
+fn rgb(image: &Image<[u8; 4]>) -> Image<[u8; 3]> {
+    image.map(|&[r, g, b, _]| [r, g, b])
+}
+
+/// Mean FLIP over the whole picture, at 67 pixels a degree.
+fn mean_flip(a: &Image<[u8; 4]>, b: &Image<[u8; 4]>) -> f32 {
+    let errors = flip::flip(&rgb(a), &rgb(b), flip::PIXELS_PER_DEGREE).expect("one size");
+    flip::masked_mean(&errors, &vec![true; errors.texels().len()])
+}
+
+fn same_picture_twice() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let scene = scene(&renderer, 0);
+    let first = renderer.picture(&scene, SIZE)?;
+    if renderer.picture(&scene, SIZE)? == first {
+        return Ok(());
+    }
+    Err("two pictures of one scene differ".into())
+}
+
+fn pictures_look_as_they_did() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    for (name, view, light) in [
+        ("lit", ViewMode::Lit, LightMode::Product),
+        ("four-factors", ViewMode::Lit, LightMode::FourFactors),
+        ("normals", ViewMode::Normals, LightMode::Product),
+    ] {
+        scene.view = view;
+        scene.setting.light = light;
+        let picture = renderer.picture(&scene, SIZE)?;
+        let path = root().join(format!("tests/golden/render-palm-{name}.png"));
+        if std::env::var_os("UPDATE_GOLDENS").is_some() {
+            std::fs::write(&path, png::encode(&picture).map_err(|e| e.to_string())?)?;
+        }
+        let expected = png::decode(&read(&path)?, 1 << 20)?;
+        let error = mean_flip(&expected, &picture);
+        if error > 0.03 {
+            let seen = root().join(format!("target/render-palm-{name}.png"));
+            std::fs::write(&seen, png::encode(&picture).map_err(|e| e.to_string())?)?;
+            return Err(format!(
+                "{name}: mean FLIP {error:.4} from {}; the picture is in {}; if it is right, run again with \
+                 UPDATE_GOLDENS=1",
+                path.display(),
+                seen.display()
+            )
+            .into());
+        }
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, Failed> {
+    std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()).into())
+}
+
+/// Covered part of a picture, by its alpha.
+fn covered(picture: &Image<[u8; 4]>) -> f32 {
+    let sum: u64 = picture.texels().iter().map(|p| u64::from(p[3])).sum();
+    sum as f32 / 255.0 / picture.texels().len() as f32
+}
+
+fn covers_the_same() -> Outcome {
+    use pleach::measure::silhouette::{Cutouts, Silhouette};
+    use pleach::render::{Camera, Lens};
+    let asset = palm();
+    let mut renderer = renderer(asset)?;
+    let bounds = renderer.models()[0].bounds;
+    let half = bounds.size().max_element() * 0.6;
+    let cutouts = Cutouts::of(&asset.foliage.texels());
+    for lod in [0, 2] {
+        let camera = Camera {
+            eye: bounds.centre() + Vec3::Z * 50.0,
+            target: bounds.centre(),
+            lens: Lens::Orthographic(half),
+        };
+        let mut scene = Scene::of_one(camera, 0, lod);
+        scene.setting.backdrop = false;
+        let drawn = covered(&renderer.picture(&scene, [512, 512])?);
+        let view = capture::View {
+            centre: bounds.centre(),
+            right: Vec3::X,
+            up: Vec3::Y,
+            half: [half, half],
+            width: 512,
+            height: 512,
+        };
+        let silhouette = Silhouette::of(&asset.lods[lod].mesh, &cutouts, &view);
+        let expected = silhouette.area() as f32 / (512.0 * 512.0);
+        let off = drawn / expected - 1.0;
+        println!("lod {lod}: {drawn:.4} of the picture, {expected:.4} by the rasteriser, {off:+.3}");
+        if off.abs() > 0.08 {
+            return Err(format!("lod {lod}: covers {drawn}, the rasteriser says {expected}").into());
+        }
+    }
+    Ok(())
+}
+
+fn lods_look_alike() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let full = scene(&renderer, 0);
+    let mut last = 0.0;
+    for lod in 1..renderer.models()[0].lods.len() {
+        // As large as it is at most shown in a picture 1080 high.
+        let height = (1080.0 * renderer.models()[0].lods[lod].screen_size).clamp(24.0, 300.0) as u32;
+        let size = [height * 4 / 5, height];
+        let expected = renderer.picture(&full, size)?;
+        let mut coarse = full.clone();
+        coarse.groups[0].lod = lod;
+        let error = mean_flip(&expected, &renderer.picture(&coarse, size)?);
+        println!("lod {lod} at {height} pixels: mean FLIP {error:.4}");
+        if error > 0.08 {
+            return Err(format!("lod {lod} at {height} pixels: mean FLIP {error:.4}").into());
+        }
+        last = error;
+    }
+    if last == 0.0 {
+        return Err("LODs cannot be told from full detail at all: the test sees nothing".into());
+    }
+    Ok(())
+}
+
+fn shares_agree() -> Outcome {
+    let suns: Vec<Vec3> = (0..400)
+        .map(|i| {
+            let turn = i as f32 * 2.399_963;
+            let up = (i as f32 + 0.5) / 400.0;
+            let level = (1.0 - up * up).sqrt();
+            Vec3::new(libm::cosf(turn) * level, up, libm::sinf(turn) * level)
+        })
+        .chain((0..9).map(shadow::direction))
+        .collect();
+    let shares = shares_in_shader(&Gpu::headless()?, &suns)?;
+    for (sun, shares) in suns.iter().zip(&shares) {
+        let mut expected = [0.0; 9];
+        for (light, share) in shadow::weights(*sun) {
+            expected[light] += share;
+        }
+        for light in 0..9 {
+            if (expected[light] - shares[light]).abs() > 2e-4 {
+                return Err(format!("sun {sun}: {shares:?} in the shader, {expected:?}").into());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What `nine_shares` of `light.wgsl` gives.
+fn shares_in_shader(gpu: &Gpu, suns: &[Vec3]) -> Result<Vec<[f32; 9]>, Failed> {
+    use wgpu::util::DeviceExt as _;
+    const MAIN: &str = "
+        @group(0) @binding(0) var<storage, read> suns: array<vec4<f32>>;
+        @group(0) @binding(1) var<storage, read_write> shares: array<f32>;
+        @compute @workgroup_size(64)
+        fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+            if id.x < arrayLength(&suns) {
+                let found = nine_shares(suns[id.x].xyz);
+                for (var i = 0; i < 9; i++) {
+                    shares[id.x * 9u + u32(i)] = share_of(found, i);
+                }
+            }
+        }";
+    let device = &gpu.device;
+    let files = pleach::gpu::shader::TREES.files;
+    let text = [files[0], files[1], MAIN].join("\n");
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("shares"),
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("shares"),
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    let wide: Vec<[f32; 4]> = suns.iter().map(|s| s.extend(0.0).to_array()).collect();
+    let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(&wide),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    let size = (suns.len() * 9 * 4) as u64;
+    let buffer = |usage| {
+        device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    };
+    let output = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let read = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: input.as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 1,
+                resource: output.as_entire_binding(),
+            },
+        ],
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(u32::try_from(suns.len().div_ceil(64))?, 1, 1);
+    drop(pass);
+    encoder.copy_buffer_to_buffer(&output, 0, &read, 0, size);
+    gpu.queue.submit([encoder.finish()]);
+    read.map_async(wgpu::MapMode::Read, .., |_| ());
+    gpu.finish()?;
+    let bytes = read.get_mapped_range(..).map_err(|e| e.to_string())?;
+    let numbers: &[f32] = bytemuck::cast_slice(&bytes);
+    Ok(numbers.as_chunks::<9>().0.to_vec())
+}
+
+fn ground_shadow() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    // From above, with the tree itself left out: what is dark is shadow.
+    scene.camera.eye = Vec3::new(0.0, 60.0, 0.1);
+    scene.camera.target = Vec3::ZERO;
+    scene.setting.sun = shadow::direction(1);
+    let mut alone = scene.clone();
+    alone.setting.ground_shadows = 0.0;
+    let dark = renderer.picture(&scene, SIZE)?;
+    let bright = renderer.picture(&alone, SIZE)?;
+    let brightness = |p: &[u8; 4]| p[..3].iter().map(|&c| f32::from(c)).sum::<f32>();
+    let mut sums = [0.0_f32; 2];
+    for y in 0..SIZE[1] {
+        for x in 0..SIZE[0] {
+            let lost = brightness(bright.at(x, y)) - brightness(dark.at(x, y));
+            sums[usize::from(x < SIZE[0] / 2)] += lost;
+        }
+    }
+    // The sun stands at +X, to the right, so the shadow falls to the left.
+    let [right, left] = sums;
+    println!("darkened: {left:.0} to the left, {right:.0} to the right");
+    if left > 500.0 && left > 4.0 * right {
+        return Ok(());
+    }
+    Err(format!("the shadow is not to the left: {left} there, {right} to the right").into())
+}
+
+fn transparent() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    scene.setting.backdrop = false;
+    let picture = renderer.picture(&scene, SIZE)?;
+    let corner = picture.at(0, 0)[3];
+    let part = covered(&picture);
+    let opaque = picture.texels().iter().any(|p| p[3] == 255 && p[1] > 20);
+    if corner == 0 && (0.02..0.5).contains(&part) && opaque {
+        return Ok(());
+    }
+    Err(format!("corner {corner}, covered {part}, opaque pixels: {opaque}").into())
+}
+
+/// Mean difference between neighbours: how hard a picture's edges are.
+fn hardness(picture: &Image<[u8; 4]>) -> f32 {
+    let mut sum = 0.0;
+    for y in 0..picture.height() {
+        for x in 1..picture.width() {
+            let (a, b) = (picture.at(x - 1, y)[3], picture.at(x, y)[3]);
+            sum += f32::from(a.abs_diff(b)).powf(2.0);
+        }
+    }
+    sum
+}
+
+fn filters() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    scene.setting.backdrop = false;
+    let mut draw = |filter| {
+        scene.filter = filter;
+        renderer.picture(&scene, SIZE).map(|p| (covered(&p), hardness(&p)))
+    };
+    let plain = draw(Filter::None)?;
+    let soft = [Filter::Bilinear, Filter::Alpha, Filter::Combined].map(&mut draw);
+    let [bilinear, alpha, both] = soft;
+    let (bilinear, alpha, both) = (bilinear?, alpha?, both?);
+    println!("covered, hardness: {plain:?}, {bilinear:?}, {alpha:?}, {both:?}");
+    for (name, (part, hard)) in [("bilinear", bilinear), ("alpha", alpha), ("both", both)] {
+        if (part / plain.0 - 1.0).abs() > 0.06 || hard >= plain.1 {
+            return Err(format!("{name}: covered {part}, hardness {hard}; {plain:?} without").into());
+        }
+    }
+    if both.1 >= alpha.1.min(bilinear.1) {
+        return Err("both filters are not softer than either".into());
+    }
+    Ok(())
+}
+
+fn four_factors() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    scene.setting.backdrop = false;
+    scene.setting.light = LightMode::FourFactors;
+    let [right, _] = scene.camera.sides();
+    let mut sides = |sun: Vec3| -> Result<f32, GpuError> {
+        scene.setting.sun = sun;
+        let picture = renderer.picture(&scene, SIZE)?;
+        let mut sums = [(0.0, 0.0); 2];
+        for y in 0..SIZE[1] {
+            for x in 0..SIZE[0] {
+                let [_, g, _, a] = *picture.at(x, y);
+                let side = &mut sums[usize::from(x < SIZE[0] / 2)];
+                side.0 += f32::from(g) * f32::from(a);
+                side.1 += f32::from(a);
+            }
+        }
+        let [r, l] = sums.map(|(light, weight)| light / weight);
+        Ok(r / l)
+    };
+    let (from_right, from_left) = (
+        sides(right + Vec3::Y * 0.7)?,
+        sides(-right + Vec3::Y * 0.7)?,
+    );
+    println!("right over left: {from_right:.3} with the sun there, {from_left:.3} without");
+    if from_right > 1.05 * from_left {
+        return Ok(());
+    }
+    Err(format!("the sunny side is not the brighter one: {from_right} {from_left}").into())
+}
+
+fn views() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 1);
+    let mut seen: Vec<Image<[u8; 4]>> = Vec::new();
+    for view in [
+        ViewMode::Lit,
+        ViewMode::Lods,
+        ViewMode::Normals,
+        ViewMode::Albedo,
+        ViewMode::Overdraw,
+        ViewMode::Wire,
+    ] {
+        scene.view = view;
+        let picture = renderer.picture(&scene, SIZE)?;
+        let middle = picture.part(SIZE[0] / 4, SIZE[1] / 8, SIZE[0] / 2, SIZE[1] / 2);
+        let bright = middle.texels().iter().filter(|p| p[1] > 40).count();
+        if bright < 200 || seen.contains(&picture) {
+            return Err(format!("{view:?}: {bright} bright pixels, or the same as another").into());
+        }
+        seen.push(picture);
+    }
+    Ok(())
+}
+
+fn no_height() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let scene = scene(&renderer, 0);
+    let texture = renderer.gpu().device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width: 4,
+            height: 4,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8UnormSrgb,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    for size in [[0, 0], [4, 0], [4, 4], [0, 4]] {
+        let encoder = renderer.draw(&scene, &view, size)?;
+        renderer.gpu().queue.submit([encoder.finish()]);
+        renderer.gpu().finish()?;
+    }
+    Ok(())
+}
+
+fn too_large() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let scene = scene(&renderer, 0);
+    match renderer.picture(&scene, [1 << 20, 4]) {
+        Err(error @ GpuError::TooLarge { .. }) if error.to_string().contains("1048576") => Ok(()),
+        other => Err(format!("{other:?}").into()),
+    }
+}
+
+fn lost() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    scene.groups[0].trees.push(Instance::at(Vec3::X, 1.0, 0.5));
+    renderer.gpu().device.destroy();
+    match renderer.picture(&scene, SIZE) {
+        Err(_) => Ok(()),
+        Ok(_) => Err("a destroyed device drew a picture".into()),
+    }
+}
