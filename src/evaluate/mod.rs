@@ -8,6 +8,7 @@ mod compare;
 mod entrants;
 mod gate;
 mod light;
+mod palette;
 mod picture;
 mod plates;
 mod report;
@@ -112,17 +113,24 @@ pub struct Score {
     pub normal_deg: f32,
 }
 
-/// Pictures of one model from one view at one height, for the report.
+/// Pictures from one view at one height, for the report: all cut alike.
 #[derive(Clone, Debug)]
 pub struct Plate {
-    /// Index into [`Evaluation::models`].
-    pub model: usize,
     /// `side` or `above`.
     pub view: &'static str,
     /// Height of the tree, pixels.
     pub height: u32,
     /// The full tree; PNG.
     pub reference: Vec<u8>,
+    /// The models, each once.
+    pub shown: Vec<Shown>,
+}
+
+/// One model in a [`Plate`].
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// Index into [`Evaluation::models`].
+    pub model: usize,
     /// The model; PNG.
     pub picture: Vec<u8>,
     /// FLIP, coloured; PNG. Empty but at the largest height.

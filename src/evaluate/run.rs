@@ -186,7 +186,7 @@ struct Shot {
     differences: Vec<Option<Difference>>,
     /// By model, at the largest height.
     layers: Vec<f32>,
-    plates: Vec<Plate>,
+    plate: Option<Plate>,
 }
 
 impl Set<'_> {
@@ -262,7 +262,7 @@ impl Set<'_> {
         Shot {
             differences,
             layers,
-            plates: plates::plates(&full, &shown, name, pixels, self.is_largest(height)),
+            plate: plates::plate(&full, &shown, name, pixels, self.is_largest(height)),
         }
     }
 
@@ -327,7 +327,7 @@ fn evaluation(
         aerial_views: settings.aerial_views,
         heights: heights.clone(),
         models,
-        plates: shots.into_iter().flat_map(|s| s.plates).collect(),
+        plates: shots.into_iter().filter_map(|s| s.plate).collect(),
     }
 }
 

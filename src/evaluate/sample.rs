@@ -1,12 +1,12 @@
 //! An evaluation made up for tests.
 
-use super::{Evaluation, Model, Plate, Score, Scores};
+use super::{Evaluation, Model, Plate, Score, Scores, Shown};
 use crate::image::{Image, png};
 
 /// Heights of the made-up pictures.
 const HEIGHTS: [u32; 5] = [512, 128, 64, 32, 16];
 
-/// Five LODs, two kinds of rivals at two budgets, and pictures of one LOD; `LOD4` loses.
+/// Five LODs, two kinds of rivals at two budgets, and pictures of two LODs; `LOD4` loses.
 pub(super) fn evaluation() -> Evaluation {
     let mut models: Vec<Model> = [(50_000, 0.97), (10_000, 0.93), (2_500, 0.88), (1_000, 0.80)]
         .into_iter()
@@ -43,7 +43,7 @@ pub(super) fn evaluation() -> Evaluation {
         models,
         plates: ["side", "above"]
             .iter()
-            .flat_map(|view| HEIGHTS.map(|height| plate(1, view, height)))
+            .flat_map(|view| HEIGHTS.map(|height| plate(&[0, 1], view, height)))
             .collect(),
     }
 }
@@ -83,14 +83,23 @@ pub(super) fn model(label: &str, triangles: u64, iou: f32) -> Model {
     }
 }
 
-fn plate(model: usize, view: &'static str, height: u32) -> Plate {
+fn plate(models: &[usize], view: &'static str, height: u32) -> Plate {
     let grey = |shade: u8| png::encode(&Image::filled(height, height, [shade; 3])).unwrap();
     Plate {
-        model,
         view,
         height,
         reference: grey(40),
-        picture: grey(80),
-        error: grey(120),
+        shown: models
+            .iter()
+            .map(|&model| Shown {
+                model,
+                picture: grey(80),
+                error: if height == HEIGHTS[0] {
+                    grey(120)
+                } else {
+                    Vec::new()
+                },
+            })
+            .collect(),
     }
 }

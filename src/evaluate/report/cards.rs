@@ -5,8 +5,8 @@ use super::super::summary::{
 };
 use super::super::text::{count, fixed, percent, signed_percent};
 use super::super::{Evaluation, Model, Verdict};
-use super::html::{Size, escape, facts, minus, picture};
-use super::{chosen, count_of_triangles, plates, plates_of, tables};
+use super::html::{Size, escape, facts, minus};
+use super::{chosen, count_of_triangles, plates, tables};
 
 fn class(verdict: Verdict) -> &'static str {
     match verdict {
@@ -99,14 +99,9 @@ fn card(
         "<article class=\"card {}\">\n",
         class(judgement.verdict)
     ));
-    if let Some(plate) = plates::thumbnail(&plates_of(evaluation, index)) {
+    if let Some(pair) = plates::thumbnail(&plates::of_model(evaluation, index)) {
         page.push_str("<div class=\"thumb\">");
-        picture(
-            page,
-            &plate.picture,
-            &format!("{}, small", model.label),
-            Size::Fit,
-        );
+        pair.model(page, &format!("{}, small", model.label), Size::Fit);
         page.push_str("</div>\n");
     }
     page.push_str(&format!(

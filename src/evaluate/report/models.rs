@@ -5,7 +5,7 @@ use super::super::text::{bytes, fixed, number};
 use super::super::{Evaluation, Model};
 use super::cards::badge;
 use super::html::{escape, facts};
-use super::{chosen, plates, plates_of, tables, words};
+use super::{chosen, plates, tables, words};
 
 /// One LOD: its figures, pictures and tables.
 pub(super) fn lod(page: &mut String, index: usize, model: &Model, evaluation: &Evaluation) {
@@ -24,7 +24,13 @@ pub(super) fn lod(page: &mut String, index: usize, model: &Model, evaluation: &E
             "<p class=\"warns\"><b>At {height} px</b> {reasons}.</p>\n"
         ));
     }
-    plates::section(page, model, &plates_of(evaluation, index), "h3");
+    plates::section(
+        page,
+        model,
+        &plates::of_model(evaluation, index),
+        "h3",
+        judgement.height,
+    );
     page.push_str(&tables::scores(model));
     page.push_str("</section>\n");
 }
@@ -49,7 +55,8 @@ pub(super) fn rivals(page: &mut String, evaluation: &Evaluation) {
             )),
             model_facts(model, evaluation)
         ));
-        plates::section(page, model, &plates_of(evaluation, index), "h4");
+        let pairs = plates::of_model(evaluation, index);
+        plates::section(page, model, &pairs, "h4", None);
         page.push_str(&format!(
             "<details><summary>All figures</summary>\n{}</details>\n</article>\n",
             tables::scores(model)
