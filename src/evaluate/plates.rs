@@ -12,8 +12,8 @@ const AIR: u32 = 24;
 /// Steps of the error maps' colours: finer ones are not told apart, and cost bytes.
 const ERROR_STEPS: f32 = 64.0;
 
-/// Pictures of LODs (by their index) from one view at one height, all cut alike and in the same colours; FLIP
-/// only where there is room to see it. None without LODs, or if there is nothing to see.
+/// Pictures of LODs (by their index) from one view at one height, all cut alike, in the same colours and
+/// under the first light; FLIP only where there is room to see it. None without LODs, or if there is nothing to see.
 pub(super) fn plate(
     full: &Picture,
     lods: &[(usize, Picture)],
@@ -25,7 +25,7 @@ pub(super) fn plate(
     all.extend(lods.iter().map(|(_, picture)| picture));
     let air = (height / AIR).max(2) as usize;
     let crop = Crop::around(&all, air).filter(|_| !lods.is_empty())?;
-    let pictures: Vec<Image<[u8; 3]>> = all.iter().map(|p| crop.image(&p.colour)).collect();
+    let pictures: Vec<Image<[u8; 3]>> = all.iter().map(|p| crop.image(&p.colours[0])).collect();
     let palette = Palette::of(&pictures.iter().collect::<Vec<_>>());
     let (reference, pictures) = pictures.split_first()?;
     let error = |picture: &Image<[u8; 3]>| {

@@ -329,10 +329,20 @@ mod tests {
                     coverage: f32::INFINITY,
                     coverage_abs: f32::INFINITY,
                     flip: f32::NAN,
+                    flip_by_light: [f32::NAN; 2],
+                    flip_worst: f32::NAN,
                     normal_deg: f32::NEG_INFINITY,
                 };
                 scores.side = scores.all;
                 scores.aerial = scores.all;
+                scores.iou_interval = [f32::NAN; 2];
+                scores.flip_interval = [f32::NAN, f32::INFINITY];
+            }
+            if let Some(pop) = &mut model.pop {
+                pop.flip = f32::NAN;
+            }
+            if let Some(flicker) = &mut model.flicker {
+                flicker.ratio = f32::INFINITY;
             }
         }
         let page = html(&evaluation);

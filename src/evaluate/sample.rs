@@ -1,6 +1,6 @@
 //! An evaluation made up for tests.
 
-use super::{Evaluation, Model, Plate, Score, Scores, Shown};
+use super::{Evaluation, Flicker, Model, Plate, Pop, Score, Scores, Shown};
 use crate::image::{Image, png};
 
 /// Heights of the made-up pictures.
@@ -26,6 +26,8 @@ pub(super) fn evaluation() -> Evaluation {
             rival: true,
             error_m: None,
             screen_size: None,
+            pop: None,
+            flicker: None,
             state: "8 views".to_owned(),
             ..model(label, triangles, iou)
         });
@@ -40,6 +42,7 @@ pub(super) fn evaluation() -> Evaluation {
         side_views: 12,
         aerial_views: 8,
         heights: HEIGHTS.to_vec(),
+        orbit_flip: 0.1,
         models,
         plates: ["side", "above"]
             .iter()
@@ -58,6 +61,8 @@ pub(super) fn model(label: &str, triangles: u64, iou: f32) -> Model {
             coverage: part * -0.2,
             coverage_abs: part * 0.25,
             flip: part * 0.4,
+            flip_by_light: [part * 0.38, part * 0.42],
+            flip_worst: part * 0.42,
             normal_deg: part * 60.0,
         }
     };
@@ -77,9 +82,22 @@ pub(super) fn model(label: &str, triangles: u64, iou: f32) -> Model {
                 all: at(height, 1.0),
                 side: at(height, 0.9),
                 aerial: at(height, 1.2),
+                iou_interval: [iou - 0.01, iou + 0.01],
+                flip_interval: [loss * 0.39, loss * 0.41],
             })
             .collect(),
+        pop: Some(Pop {
+            height: 100,
+            flip: loss * 0.3,
+            worst: loss * 0.35,
+        }),
+        flicker: Some(Flicker {
+            flip: 0.1 + loss * 0.01,
+            ratio: 1.0 + loss * 0.1,
+            worst_ratio: 1.2 + loss * 0.1,
+        }),
         loses_to: Vec::new(),
+        undecided: Vec::new(),
     }
 }
 

@@ -150,8 +150,8 @@ impl Pair<'_> {
         self.stage(page, &model.label, Size::Fit, 50);
         page.push_str(&format!(
             "<figcaption><b>{}</b> <span class=\"hint\">Left of the line the full tree, right of it the LOD</span>\
-             <label class=\"wipe\">Full tree <input type=\"range\" min=\"0\" max=\"100\" value=\"50\" \
-             aria-label=\"Part of the picture that shows the full tree\"> LOD</label></figcaption></figure>\n<figure>",
+             <label class=\"wipe\">LOD <input type=\"range\" min=\"0\" max=\"100\" value=\"50\" \
+             aria-label=\"Part of the picture that shows the full tree\"> Full tree</label></figcaption></figure>\n<figure>",
             escape(&model.label)
         ));
         let class = format!("p{}e{}", self.at, self.shown.model);
