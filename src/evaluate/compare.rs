@@ -1,5 +1,6 @@
 //! One picture of a model against that of the full tree.
 
+use super::light::LIGHTS;
 use super::picture::{Crop, Picture};
 use crate::capture::View;
 use crate::math::{Vec3, float};
@@ -17,8 +18,8 @@ pub(super) struct Difference {
     pub(super) iou: f32,
     /// Covered area over the full tree's, minus 1.
     pub(super) coverage: f32,
-    /// Mean FLIP around both silhouettes; none if only the outline was drawn.
-    pub(super) flip: Option<f32>,
+    /// Mean FLIP around both silhouettes, by light; none if only the outline was drawn.
+    pub(super) flip: Option<[f32; LIGHTS]>,
     /// Mean angle of the normals, degrees; none if no pixel is covered in both.
     pub(super) normal_deg: Option<f32>,
 }
@@ -66,20 +67,32 @@ pub(super) fn compare(
             (0, _) => 1.0,
             _ => real(of_test) / real(of_full) - 1.0,
         },
-        flip: test.map(|test| masked_flip(full, test)),
+        flip: test.map(|test| masked_flip(full, test, core::array::from_fn(|light| light))),
         normal_deg: test.and_then(|test| normal_angle(full, test)),
     }
 }
 
-/// FLIP over both silhouettes and a rim. Only the part of the picture that either touches is looked at: past
-/// its air both are background, and FLIP repeats the edge.
-fn masked_flip(full: &Picture, test: &Picture) -> f32 {
+/// FLIP over both silhouettes and a rim, under each of some lights. Only the part of the picture that either
+/// touches is looked at: past its air both are background, and FLIP repeats the edge.
+pub(super) fn masked_flip<const N: usize>(
+    full: &Picture,
+    test: &Picture,
+    lights: [usize; N],
+) -> [f32; N] {
     let Some(crop) = Crop::around(&[full, test], RIM + 1) else {
-        return 0.0;
+        return [0.0; N];
     };
-    let (a, b) = (crop.image(&full.colour), crop.image(&test.colour));
     let mask = mask(&full.silhouette, &test.silhouette, crop);
-    flip(&a, &b, PIXELS_PER_DEGREE).map_or(0.0, |errors| masked_mean(&errors, &mask))
+    lights.map(|light| {
+        let [a, b] = [full, test].map(|p| crop.image(&p.colours[light]));
+        flip(&a, &b, PIXELS_PER_DEGREE).map_or(0.0, |errors| masked_mean(&errors, &mask))
+    })
+}
+
+/// FLIP over both silhouettes and a rim, under the first light.
+pub(super) fn flip_between(full: &Picture, test: &Picture) -> f32 {
+    let [flip] = masked_flip(full, test, [0]);
+    flip
 }
 
 /// Pixels within the rim of either silhouette.

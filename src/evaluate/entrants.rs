@@ -121,6 +121,9 @@ fn unmeasured(label: String, budget: Option<u64>, mesh: &Mesh, state: &str) -> M
         screen_size: None,
         state: state.to_owned(),
         scores: Vec::new(),
+        pop: None,
+        flicker: None,
         loses_to: Vec::new(),
+        undecided: Vec::new(),
     }
 }

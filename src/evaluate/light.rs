@@ -1,4 +1,4 @@
-//! The light that reaches each place of a tree: worked out once for the full tree, looked up for every model.
+//! The lights that reach each place of a tree: worked out once for the full tree, looked up for every model.
 //!
 //! A model that lost its leaves is not lit more brightly for it, and pictures differ only by what they show.
 
@@ -16,22 +16,27 @@ const SKY: Vec3 = Vec3::new(0.62, 0.74, 0.95);
 /// Linear light from below.
 const GROUND: Vec3 = Vec3::new(0.26, 0.24, 0.19);
 
-/// Toward the sun, the same as in previews: held-out views see it before them and behind them.
-const TOWARD_SUN: Vec3 = Vec3::new(0.75, 1.0, 0.45);
+/// Lights under which everything is compared: a ranking that hangs on the light is none.
+pub(super) const LIGHTS: usize = 2;
+
+/// Toward the suns. The first is that of previews; the second stands low and across. Held-out views see both
+/// before them and behind them.
+const TOWARD_SUN: [Vec3; LIGHTS] = [Vec3::new(0.75, 1.0, 0.45), Vec3::new(-0.8, 0.4, 0.55)];
 
 /// Cells of the grid along its longest edge.
 const CELLS: u32 = 40;
 
-/// What falls on every model: a sun, a sky and a ground, shaded by the full tree's density.
+/// What falls on every model: a sun (one light has the first, the other the second), a sky and a ground, shaded
+/// by the full tree's density.
 pub(super) struct Light {
-    toward_sun: Vec3,
+    toward_sun: [Vec3; LIGHTS],
     origin: Vec3,
     /// Cells to the metre.
     density: f32,
     /// Nodes along each axis, at least 2.
     size: [u32; 3],
-    /// At each node the parts of the sun and of the surrounding light that arrive.
-    nodes: Vec<[f32; 2]>,
+    /// At each node the parts of each sun and of the surrounding light that arrive.
+    nodes: Vec<[f32; LIGHTS + 1]>,
 }
 
 impl Light {
@@ -39,7 +44,7 @@ impl Light {
     pub(super) fn of(full: &Mesh) -> Self {
         let mut shade = Occlusion::of(full);
         shade.refine(full, CELLS);
-        let toward_sun = TOWARD_SUN.normalize_or(Vec3::Y);
+        let toward_sun = TOWARD_SUN.map(|t| t.normalize_or(Vec3::Y));
         let bounds = full.bounds();
         let Bounds { min: origin, .. } = bounds;
         let cell = (bounds.size().max_element() / float(CELLS)).max(1e-6);
@@ -49,7 +54,8 @@ impl Light {
         let node = |i: u32| {
             let at = Vec3::new(float(i % nx), float(i / nx % ny), float(i / (nx * ny)));
             let point = origin + at * cell;
-            [shade.transmittance(point, toward_sun), shade.open(point)]
+            let [first, second] = toward_sun.map(|t| shade.transmittance(point, t));
+            [first, second, shade.open(point)]
         };
         Self {
             toward_sun,
@@ -60,24 +66,29 @@ impl Light {
         }
     }
 
-    /// Linear light that a surface sends to the viewer.
-    pub(super) fn on(&self, seen: &Seen, point: Vec3, view: &View) -> Vec3 {
+    /// Linear light that a surface sends to the viewer, under each light.
+    pub(super) fn on(&self, seen: &Seen, point: Vec3, view: &View) -> [Vec3; LIGHTS] {
         let texel = &seen.texel;
         let [x, y, z] = texel.normal;
         let normal = view.right * x + view.up * y + view.toward() * z;
-        let facing = normal.dot(self.toward_sun);
-        let [sun, open] = self.arriving(point);
+        let [first, second, open] = self.arriving(point);
         // A capture knows how much sky its parts see; single leaves and branches do not.
         let open = if seen.captured { 1.0 } else { open };
-        let lit = facing.max(0.0) + texel.translucency * (-facing).max(0.0);
         let sky = normal.y * 0.5 + 0.5;
         let ambient = (SKY * sky + GROUND * (1.0 - sky)) * (texel.occlusion * open);
-        Vec3::from(texel.albedo) * (SUN * (sun * lit) + ambient)
+        let albedo = Vec3::from(texel.albedo);
+        let under = |toward_sun: Vec3, sun: f32| {
+            let facing = normal.dot(toward_sun);
+            let lit = facing.max(0.0) + texel.translucency * (-facing).max(0.0);
+            albedo * (SUN * (sun * lit) + ambient)
+        };
+        let [a, b] = self.toward_sun;
+        [under(a, first), under(b, second)]
     }
 
-    /// Parts of the sun and of the surrounding light at a point, smooth between nodes; outside of the tree as
+    /// Parts of the suns and of the surrounding light at a point, smooth between nodes; outside of the tree as
     /// at its nearest side.
-    fn arriving(&self, point: Vec3) -> [f32; 2] {
+    fn arriving(&self, point: Vec3) -> [f32; LIGHTS + 1] {
         let [nx, ny, nz] = self.size;
         let last = Vec3::new(float(nx - 1), float(ny - 1), float(nz - 1));
         let at = ((point - self.origin) * self.density).clamp(Vec3::ZERO, last);
@@ -93,6 +104,6 @@ impl Light {
     }
 }
 
-fn mix(a: [f32; 2], b: [f32; 2], part: f32) -> [f32; 2] {
-    [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part]
+fn mix(a: [f32; LIGHTS + 1], b: [f32; LIGHTS + 1], part: f32) -> [f32; LIGHTS + 1] {
+    core::array::from_fn(|i| a[i] + (b[i] - a[i]) * part)
 }

@@ -1,8 +1,8 @@
-//! Pictures of a mesh under the evaluation's one light: what an eye, and FLIP, compare.
+//! Pictures of a mesh under the evaluation's lights: what an eye, and FLIP, compare.
 //!
-//! A plain mid-grey behind, and no ground: nothing that would hide an edge or be compared beside the tree.
+//! A plain grey behind, and no ground: nothing that would hide an edge or be compared beside the tree.
 
-use super::light::Light;
+use super::light::{LIGHTS, Light};
 use crate::asset::Surface;
 use crate::capture::{ALPHA_CUTOFF, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
@@ -10,9 +10,14 @@ use crate::math::{Vec2, Vec3, float, srgb_from_linear};
 use crate::measure::silhouette::{Cutouts, Silhouette};
 use crate::mesh::card::{Relief, UvRect};
 use crate::mesh::{Mesh, Primitive};
+use std::borrow::Cow;
 
-/// Mid-grey, linear, as it is seen: neither a light nor a dark crown vanishes before it.
-pub(super) const BACKGROUND: f32 = 0.184;
+/// Greys behind the tree, linear, as they are seen, one for each light: a middle one, before which neither a
+/// light nor a dark crown vanishes, and a dark one, on which the bright edges of leaves and quads stand out.
+const BACKGROUNDS: [f32; LIGHTS] = [0.184, 0.012];
+
+/// Rows of samples from which sorting leaves costs less than the texels that it spares.
+const WORTH_SORTING: u32 = 400;
 
 /// Mips of the foliage atlas: its gutters stand four halvings.
 const FOLIAGE_MIPS: usize = 5;
@@ -74,8 +79,8 @@ impl<'a> Sitter<'a> {
 
 /// One model from one view.
 pub(super) struct Picture {
-    /// sRGB.
-    pub(super) colour: Image<[u8; 3]>,
+    /// sRGB, by light.
+    pub(super) colours: [Image<[u8; 3]>; LIGHTS],
     /// Covered where at least half of the samples are.
     pub(super) silhouette: Silhouette,
     /// True where any sample is covered: where the colour is not the background's alone.
@@ -87,11 +92,15 @@ pub(super) struct Picture {
 impl Picture {
     /// Draws a mesh with `n` by `n` samples in each pixel of `view`.
     pub(super) fn draw(sitter: &Sitter<'_>, light: &Light, view: &View, n: u32) -> Self {
-        let mesh = near_first(sitter.mesh, view);
         let samples = View {
             width: view.width * n,
             height: view.height * n,
             ..*view
+        };
+        let mesh = if samples.height < WORTH_SORTING {
+            Cow::Borrowed(sitter.mesh)
+        } else {
+            Cow::Owned(near_first(sitter.mesh, view))
         };
         let textures = Textures {
             bark: &sitter.skin.bark,
@@ -101,7 +110,8 @@ impl Picture {
         let seen = Visibility::draw(&mesh, textures, &samples);
         let count = view.width as usize * view.height as usize;
         let mut picture = Self {
-            colour: Image::filled(view.width, view.height, [srgb_from_linear(BACKGROUND); 3]),
+            colours: BACKGROUNDS
+                .map(|grey| Image::filled(view.width, view.height, [srgb_from_linear(grey); 3])),
             silhouette: Silhouette::empty(view),
             touched: vec![false; count],
             normals: vec![Vec3::ZERO; count],
@@ -112,7 +122,7 @@ impl Picture {
                 let found = seen.surface(i, j, &mesh, textures, &samples)?;
                 let at = Vec2::new(float(i) + 0.5, float(j) + 0.5);
                 let point = samples.unproject(at, found.texel.depth);
-                let light = tone_mapped(light.on(&found, point, &samples));
+                let light = light.on(&found, point, &samples).map(tone_mapped);
                 Some((light, Vec3::from(found.texel.normal)))
             };
             let pixel = Pixel::of(n, corner, |i, j| seen.depth(i, j).is_some(), sample);
@@ -124,10 +134,11 @@ impl Picture {
     }
 
     fn set(&mut self, at: usize, pixel: &Pixel) {
-        let light = pixel
-            .light
-            .lerp(Vec3::splat(BACKGROUND), 1.0 - pixel.covered);
-        self.colour.texels_mut()[at] = light.to_array().map(srgb_from_linear);
+        let backs = pixel.light.into_iter().zip(BACKGROUNDS);
+        for (colour, (light, background)) in self.colours.iter_mut().zip(backs) {
+            let light = light.lerp(Vec3::splat(background), 1.0 - pixel.covered);
+            colour.texels_mut()[at] = light.to_array().map(srgb_from_linear);
+        }
         self.silhouette.covered[at] = pixel.covered >= 0.5;
         self.touched[at] = true;
         self.normals[at] = pixel.normal;
@@ -138,8 +149,8 @@ impl Picture {
 struct Pixel {
     /// Part of the samples that are covered, above 0.
     covered: f32,
-    /// Mean over what is covered.
-    light: Vec3,
+    /// Means over what is covered, by light.
+    light: [Vec3; LIGHTS],
     /// Unit, in view axes.
     normal: Vec3,
 }
@@ -153,18 +164,20 @@ impl Pixel {
         n: u32,
         (x, y): (u32, u32),
         is_covered: impl Fn(u32, u32) -> bool,
-        sample: impl Fn(u32, u32) -> Option<(Vec3, Vec3)>,
+        sample: impl Fn(u32, u32) -> Option<([Vec3; LIGHTS], Vec3)>,
     ) -> Option<Self> {
         let all = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
         let covered = all().filter(|(i, j)| is_covered(x + i, y + j)).count();
         if covered == 0 {
             return None;
         }
-        let (mut light, mut normal, mut count) = (Vec3::ZERO, Vec3::ZERO, 0);
+        let (mut light, mut normal, mut count) = ([Vec3::ZERO; LIGHTS], Vec3::ZERO, 0);
         for colour in [0, 1] {
             for (i, j) in all().filter(|(i, j)| (i + j) % 2 == colour) {
                 if let Some((sample_light, sample_normal)) = sample(x + i, y + j) {
-                    light += sample_light;
+                    for (sum, sample) in light.iter_mut().zip(sample_light) {
+                        *sum += sample;
+                    }
                     normal += sample_normal;
                     count += 1;
                 }
@@ -176,7 +189,7 @@ impl Pixel {
         let covered = u32::try_from(covered).unwrap_or(u32::MAX);
         Some(Self {
             covered: float(covered) / float(n * n),
-            light: light / float(count),
+            light: light.map(|sum| sum / float(count)),
             normal: normal.normalize_or(Vec3::Z),
         })
     }
@@ -233,8 +246,8 @@ impl Crop {
     pub(super) fn around(pictures: &[&Picture], air: usize) -> Option<Self> {
         let first = pictures.first()?;
         let (width, height) = (
-            first.colour.width() as usize,
-            first.colour.height() as usize,
+            first.silhouette.width as usize,
+            first.silhouette.height as usize,
         );
         let touches = |at: usize| pictures.iter().any(|p| p.touched[at]);
         let row = |&y: &usize| (0..width).any(|x| touches(y * width + x));

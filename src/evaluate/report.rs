@@ -1,7 +1,8 @@
 //! The report: one self-contained HTML page on which an artist accepts a tree's LODs or sends them back.
 //!
-//! No script and nothing from the network: pictures are inside the page, and its content policy forbids
-//! the rest. The same evaluation makes the same bytes.
+//! Nothing comes from the network: pictures are inside the page, each once, and its content policy forbids the
+//! rest, every script too but the page's own. That one moves the wipes and blinks; without it the page still
+//! shows all. The same evaluation makes the same bytes.
 
 mod cards;
 mod curves;
@@ -14,11 +15,17 @@ mod words;
 
 use super::summary::judge;
 use super::text::{bytes, count, number};
-use super::{Evaluation, Model, Plate};
+use super::{Evaluation, Model};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use html::{escape, facts};
+use sha2::{Digest, Sha256};
 
 /// The page's look.
 const STYLE: &str = include_str!("report/style.css");
+
+/// What moves on the page.
+const SCRIPT: &str = include_str!("report/compare.js");
 
 /// The report of one evaluation as a page that needs nothing else.
 ///
@@ -32,10 +39,12 @@ pub fn html(evaluation: &Evaluation) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; \
-         style-src 'unsafe-inline'\">\n\
-         <title>{} {}: LOD evaluation</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n",
+         style-src 'unsafe-inline'; script-src 'sha256-{}'\">\n\
+         <title>{} {}: LOD evaluation</title>\n<style>\n{STYLE}</style>\n<style>\n{}</style>\n</head>\n<body>\n",
+        STANDARD.encode(Sha256::digest(SCRIPT)),
         escape(&evaluation.name),
-        evaluation.seed
+        evaluation.seed,
+        plates::style(evaluation)
     ));
     page.push_str(&header(evaluation));
     page.push_str("<main>\n");
@@ -47,8 +56,10 @@ pub fn html(evaluation: &Evaluation) -> String {
     }
     models::rivals(&mut page, evaluation);
     page.push_str(&format!(
-        "</main>\n<footer>Written by pleach {}. This page holds all its pictures and loads nothing.</footer>\n\
-         </body>\n</html>\n",
+        "</main>\n<footer>Written by pleach {}. This page holds all its pictures and loads nothing; they have at \
+         most 256 colours.</footer>\n\
+         <button type=\"button\" id=\"blink\" aria-pressed=\"false\" hidden>Blink <kbd>B</kbd></button>\n\
+         <script>{SCRIPT}</script>\n</body>\n</html>\n",
         env!("CARGO_PKG_VERSION")
     ));
     page
@@ -60,22 +71,14 @@ fn chosen(evaluation: &Evaluation, rivals: bool) -> impl Iterator<Item = (usize,
     models.filter(move |(_, m)| m.rival == rivals)
 }
 
-fn plates_of(evaluation: &Evaluation, model: usize) -> Vec<&Plate> {
-    evaluation
-        .plates
-        .iter()
-        .filter(|p| p.model == model)
-        .collect()
-}
-
-/// About how long the page gets: pictures as base64, some of them twice.
+/// About how long the page gets.
 fn page_bytes(evaluation: &Evaluation) -> usize {
-    let pictures: usize = evaluation
-        .plates
-        .iter()
-        .map(|p| p.reference.len() + p.picture.len() + p.error.len())
-        .sum();
-    pictures / 2 * 3 + 16_384 * (evaluation.models.len() + 2)
+    let of = |p: &super::Plate| {
+        let shown = p.shown.iter().map(|s| s.picture.len() + s.error.len());
+        p.reference.len() + shown.sum::<usize>()
+    };
+    let pictures: usize = evaluation.plates.iter().map(of).sum();
+    pictures / 2 * 3 + 24_576 * (evaluation.models.len() + 2)
 }
 
 fn header(evaluation: &Evaluation) -> String {
@@ -171,7 +174,7 @@ mod tests {
     use super::*;
 
     /// Elements that have no end tag.
-    const VOID: [&str; 2] = ["meta", "img"];
+    const VOID: [&str; 2] = ["meta", "input"];
 
     /// Walks the tags; every opened one is closed, in the right order, and none else.
     fn check_tags(page: &str) -> Result<usize, String> {
@@ -209,7 +212,7 @@ mod tests {
 
     #[test]
     fn the_check_of_tags_finds_faults() {
-        assert_eq!(check_tags("<p>a<img alt=\"b\"></p>"), Ok(3));
+        assert_eq!(check_tags("<p>a<input max=\"b\"></p>"), Ok(3));
         for fault in ["<p><b></p></b>", "<p>", "</p>", "<p a=\"b></p>", "a <"] {
             assert!(check_tags(fault).is_err(), "{fault}");
         }
@@ -252,7 +255,7 @@ mod tests {
         }
         let page = html(&evaluation);
         assert!(check_tags(&page).is_ok());
-        assert!(!page.contains("<script"));
+        assert_eq!(page.matches("<script").count(), 1, "the page's own");
         assert!(!page.contains("\" onload"));
         assert!(page.contains("&lt;script&gt;alert(&#39;1&#39;)&lt;/script&gt;"));
     }
@@ -261,17 +264,28 @@ mod tests {
     fn nothing_is_loaded_from_elsewhere() {
         let page = html(&sample::evaluation());
         assert!(!page.contains("http://") && !page.contains("https://"));
-        assert!(!page.contains("url(") && !page.contains("@import"));
-        let sources = page.matches(" src=").count();
-        assert!(sources > 20);
+        assert!(!page.contains("@import") && !page.contains(" src="));
+        let pictures = page.matches("url(").count();
+        let data = "url(data:image/png;base64,";
+        assert_eq!(pictures, page.matches(data).count());
+        assert_eq!(pictures, 2 * (5 + 2 * 5 + 2), "every picture once");
         assert_eq!(
-            sources,
-            page.matches(" src=\"data:image/png;base64,").count()
+            page.matches("class=\"pic ").count(),
+            page.matches("role=\"img\" style=\"--k").count()
+                + page.matches("role=\"img\" aria-label=\"").count()
+                - page.matches("class=\"dot ").count()
+                - page.matches("<svg class=\"plot\"").count()
         );
-        assert_eq!(
-            page.matches("<img").count(),
-            page.matches(" alt=\"").count()
-        );
+    }
+
+    #[test]
+    fn the_policy_allows_the_pages_own_script_alone() {
+        let page = html(&sample::evaluation());
+        let (_, rest) = page.split_once("<script>").unwrap();
+        let (script, _) = rest.split_once("</script>").unwrap();
+        assert!(!script.contains('<') && script.len() > 200);
+        let hash = STANDARD.encode(Sha256::digest(script));
+        assert!(page.contains(&format!("script-src 'sha256-{hash}'\">")));
     }
 
     #[test]
@@ -294,9 +308,9 @@ mod tests {
     #[test]
     fn pictures_that_are_none_and_plates_of_no_model_do_no_harm() {
         let mut evaluation = sample::evaluation();
-        evaluation.plates[0].picture.clear();
-        evaluation.plates[1].error = b"no picture".to_vec();
-        evaluation.plates[2].model = 99;
+        evaluation.plates[0].shown[0].picture.clear();
+        evaluation.plates[1].reference = b"no picture".to_vec();
+        evaluation.plates[2].shown[1].model = 99;
         let page = html(&evaluation);
         assert!(check_tags(&page).is_ok());
         assert!(page.contains("no picture"));
@@ -315,10 +329,20 @@ mod tests {
                     coverage: f32::INFINITY,
                     coverage_abs: f32::INFINITY,
                     flip: f32::NAN,
+                    flip_by_light: [f32::NAN; 2],
+                    flip_worst: f32::NAN,
                     normal_deg: f32::NEG_INFINITY,
                 };
                 scores.side = scores.all;
                 scores.aerial = scores.all;
+                scores.iou_interval = [f32::NAN; 2];
+                scores.flip_interval = [f32::NAN, f32::INFINITY];
+            }
+            if let Some(pop) = &mut model.pop {
+                pop.flip = f32::NAN;
+            }
+            if let Some(flicker) = &mut model.flicker {
+                flicker.ratio = f32::INFINITY;
             }
         }
         let page = html(&evaluation);

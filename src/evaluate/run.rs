@@ -6,7 +6,9 @@
 use super::compare::{Difference, Outline, compare};
 use super::entrants::{self, Entrant};
 use super::light::Light;
+use super::motion::{Motion, motion};
 use super::picture::{Picture, Sitter, Skin};
+use super::resample::Resamples;
 use super::{Evaluation, Model, Plate, Score, Scores, Subject, plates};
 use crate::capture::View;
 use crate::math::{Bounds, Vec3, float, floor_to_u32};
@@ -111,7 +113,9 @@ pub fn evaluate(
             Ok(shot)
         })
         .collect();
-    Ok(evaluation(subject, settings, &entrants, shots?))
+    let shots = shots?;
+    let motion = motion(&set);
+    Ok(evaluation(subject, settings, &entrants, shots, motion))
 }
 
 fn skin(look: &super::Look<'_>) -> Skin {
@@ -127,8 +131,8 @@ fn same_look(subject: &Subject<'_>) -> bool {
 }
 
 /// A held-out view with what is seen from it, metres from the middle of the full tree as seen.
-struct Stand {
-    direction: Direction,
+pub(super) struct Stand {
+    pub(super) direction: Direction,
     is_side: bool,
     full: Bounds,
     all: Bounds,
@@ -167,17 +171,17 @@ fn tall(full: &Mesh, entrants: &[Entrant<'_>]) -> f32 {
     size.y.max(size.max_element() * 0.25).max(f32::MIN_POSITIVE)
 }
 
-/// Everything that one shot needs.
-struct Set<'a> {
+/// Everything that one shot, or a look at motion, needs.
+pub(super) struct Set<'a> {
     settings: &'a Settings,
-    light: Light,
-    full: Sitter<'a>,
+    pub(super) light: Light,
+    pub(super) full: Sitter<'a>,
     /// By model.
-    sitters: Vec<Sitter<'a>>,
-    entrants: &'a [Entrant<'a>],
-    stands: Vec<Stand>,
+    pub(super) sitters: Vec<Sitter<'a>>,
+    pub(super) entrants: &'a [Entrant<'a>],
+    pub(super) stands: Vec<Stand>,
     /// What counts as the tree's height, metres.
-    tall: f32,
+    pub(super) tall: f32,
 }
 
 /// All models from one view at one height.
@@ -186,7 +190,7 @@ struct Shot {
     differences: Vec<Option<Difference>>,
     /// By model, at the largest height.
     layers: Vec<f32>,
-    plates: Vec<Plate>,
+    plate: Option<Plate>,
 }
 
 impl Set<'_> {
@@ -262,7 +266,7 @@ impl Set<'_> {
         Shot {
             differences,
             layers,
-            plates: plates::plates(&full, &shown, name, pixels, self.is_largest(height)),
+            plate: plates::plate(&full, &shown, name, pixels, self.is_largest(height)),
         }
     }
 
@@ -289,31 +293,34 @@ fn evaluation(
     settings: &Settings,
     entrants: &[Entrant<'_>],
     shots: Vec<Shot>,
+    motion: Motion,
 ) -> Evaluation {
     let heights = &settings.heights;
-    let side = settings.side_views * heights.len();
+    let resamples = Resamples::new(settings.side_views, settings.aerial_views);
     let mut models: Vec<Model> = entrants.iter().map(|e| e.model.clone()).collect();
     for (index, model) in models.iter_mut().enumerate() {
-        let of = |shots: &[Shot], height: usize| -> Vec<Difference> {
-            let at_height = shots.iter().skip(height).step_by(heights.len());
-            at_height.filter_map(|s| s.differences[index]).collect()
-        };
         for (h, &height) in heights.iter().enumerate() {
-            let all = of(&shots, h);
+            let all = differences(&shots, index, h, heights.len());
             if !all.is_empty() {
-                model.scores.push(Scores {
-                    height,
-                    all: score(&all),
-                    side: score(&of(&shots[..side], h)),
-                    aerial: score(&of(&shots[side..], h)),
-                });
+                model
+                    .scores
+                    .push(scores(height, &all, settings.side_views, &resamples));
             }
         }
         model.layers = mean(shots.iter().filter_map(|s| s.layers.get(index).copied()));
     }
-    let losses: Vec<Vec<String>> = models.iter().map(|m| better_rivals(m, &models)).collect();
-    for (model, losses) in models.iter_mut().zip(losses) {
-        model.loses_to = losses;
+    let moving = motion.pops.into_iter().zip(motion.flickers);
+    for (model, (pop, flicker)) in models.iter_mut().zip(moving) {
+        (model.pop, model.flicker) = (pop, flicker);
+    }
+    let largest = (0..heights.len()).max_by_key(|&h| heights[h]).unwrap_or(0);
+    let ious: Vec<Vec<f32>> = (0..models.len())
+        .map(|index| differences(&shots, index, largest, heights.len()))
+        .map(|all| all.iter().map(|d| d.iou).collect())
+        .collect();
+    for index in 0..models.len() {
+        let (loses_to, undecided) = against_rivals(index, &models, &ious, &resamples);
+        (models[index].loses_to, models[index].undecided) = (loses_to, undecided);
     }
     let atlas = &subject.look.foliage.albedo;
     Evaluation {
@@ -326,38 +333,81 @@ fn evaluation(
         side_views: settings.side_views,
         aerial_views: settings.aerial_views,
         heights: heights.clone(),
+        orbit_flip: motion.orbit_flip,
         models,
-        plates: shots.into_iter().flat_map(|s| s.plates).collect(),
+        plates: shots.into_iter().filter_map(|s| s.plate).collect(),
     }
 }
 
-/// Rivals at a LOD's budget, and with no more triangles, whose silhouettes are better at the largest height.
-fn better_rivals(model: &Model, models: &[Model]) -> Vec<String> {
-    if model.rival {
-        return Vec::new();
+/// What was measured of one model at one height, by view.
+fn differences(shots: &[Shot], model: usize, height: usize, heights: usize) -> Vec<Difference> {
+    let at_height = shots.iter().skip(height).step_by(heights.max(1));
+    at_height.filter_map(|s| s.differences[model]).collect()
+}
+
+fn scores(height: u32, all: &[Difference], side: usize, resamples: &Resamples) -> Scores {
+    let (of_side, of_aerial) = all.split_at(side.min(all.len()));
+    let interval = |f: fn(&Difference) -> f32| {
+        let values: Vec<f32> = all.iter().map(f).collect();
+        resamples.interval(&values)
+    };
+    Scores {
+        height,
+        all: score(all),
+        side: score(of_side),
+        aerial: score(of_aerial),
+        iou_interval: interval(|d| d.iou),
+        flip_interval: interval(|d| d.flip.map_or(f32::NAN, |[a, b]| (a + b) * 0.5)),
     }
-    let iou = |m: &Model| super::summary::largest(m).map_or(f32::NAN, |s| s.all.iou);
-    models
-        .iter()
-        .filter(|m| m.rival && m.budget == model.budget && m.triangles <= model.triangles)
-        .filter(|m| iou(m) > iou(model))
-        .map(|m| m.label.clone())
-        .collect()
+}
+
+/// Rivals at a LOD's budget, and with no more triangles: those whose silhouettes are better at the largest
+/// height, and those of which the views do not tell. A model that is no worse from any view has not lost.
+fn against_rivals(
+    index: usize,
+    models: &[Model],
+    ious: &[Vec<f32>],
+    resamples: &Resamples,
+) -> (Vec<String>, Vec<String>) {
+    let (mut better, mut undecided) = (Vec::new(), Vec::new());
+    let model = &models[index];
+    if model.rival {
+        return (better, undecided);
+    }
+    for (rival, theirs) in models.iter().zip(ious) {
+        if !rival.rival || rival.budget != model.budget || rival.triangles > model.triangles {
+            continue;
+        }
+        let pairs = theirs.iter().zip(&ious[index]);
+        let gains: Vec<f32> = pairs.map(|(rival, model)| rival - model).collect();
+        let [low, high] = resamples.interval(&gains);
+        if low > 0.0 {
+            better.push(rival.label.clone());
+        } else if high > 0.0 {
+            undecided.push(rival.label.clone());
+        }
+    }
+    (better, undecided)
 }
 
 /// Means over views; not a number without views.
 fn score(differences: &[Difference]) -> Score {
     let of = |f: fn(&Difference) -> f32| mean(differences.iter().map(f));
+    let flip_by_light =
+        [0, 1].map(|light| mean(differences.iter().filter_map(|d| d.flip.map(|f| f[light]))));
+    let [a, b] = flip_by_light;
     Score {
         iou: of(|d| d.iou),
         coverage: of(|d| d.coverage),
         coverage_abs: of(|d| d.coverage.abs()),
-        flip: mean(differences.iter().filter_map(|d| d.flip)),
+        flip: (a + b) * 0.5,
+        flip_by_light,
+        flip_worst: if a.is_nan() { a } else { a.max(b) },
         normal_deg: mean(differences.iter().filter_map(|d| d.normal_deg)),
     }
 }
 
-fn mean(values: impl Iterator<Item = f32>) -> f32 {
+pub(super) fn mean(values: impl Iterator<Item = f32>) -> f32 {
     let (mut sum, mut count) = (0.0_f64, 0);
     for value in values {
         sum += f64::from(value);

@@ -1,12 +1,12 @@
 //! An evaluation made up for tests.
 
-use super::{Evaluation, Model, Plate, Score, Scores};
+use super::{Evaluation, Flicker, Model, Plate, Pop, Score, Scores, Shown};
 use crate::image::{Image, png};
 
 /// Heights of the made-up pictures.
 const HEIGHTS: [u32; 5] = [512, 128, 64, 32, 16];
 
-/// Five LODs, two kinds of rivals at two budgets, and pictures of one LOD; `LOD4` loses.
+/// Five LODs, two kinds of rivals at two budgets, and pictures of two LODs; `LOD4` loses.
 pub(super) fn evaluation() -> Evaluation {
     let mut models: Vec<Model> = [(50_000, 0.97), (10_000, 0.93), (2_500, 0.88), (1_000, 0.80)]
         .into_iter()
@@ -26,6 +26,8 @@ pub(super) fn evaluation() -> Evaluation {
             rival: true,
             error_m: None,
             screen_size: None,
+            pop: None,
+            flicker: None,
             state: "8 views".to_owned(),
             ..model(label, triangles, iou)
         });
@@ -40,10 +42,11 @@ pub(super) fn evaluation() -> Evaluation {
         side_views: 12,
         aerial_views: 8,
         heights: HEIGHTS.to_vec(),
+        orbit_flip: 0.1,
         models,
         plates: ["side", "above"]
             .iter()
-            .flat_map(|view| HEIGHTS.map(|height| plate(1, view, height)))
+            .flat_map(|view| HEIGHTS.map(|height| plate(&[0, 1], view, height)))
             .collect(),
     }
 }
@@ -58,6 +61,8 @@ pub(super) fn model(label: &str, triangles: u64, iou: f32) -> Model {
             coverage: part * -0.2,
             coverage_abs: part * 0.25,
             flip: part * 0.4,
+            flip_by_light: [part * 0.38, part * 0.42],
+            flip_worst: part * 0.42,
             normal_deg: part * 60.0,
         }
     };
@@ -77,20 +82,42 @@ pub(super) fn model(label: &str, triangles: u64, iou: f32) -> Model {
                 all: at(height, 1.0),
                 side: at(height, 0.9),
                 aerial: at(height, 1.2),
+                iou_interval: [iou - 0.01, iou + 0.01],
+                flip_interval: [loss * 0.39, loss * 0.41],
             })
             .collect(),
+        pop: Some(Pop {
+            height: 100,
+            flip: loss * 0.3,
+            worst: loss * 0.35,
+        }),
+        flicker: Some(Flicker {
+            flip: 0.1 + loss * 0.01,
+            ratio: 1.0 + loss * 0.1,
+            worst_ratio: 1.2 + loss * 0.1,
+        }),
         loses_to: Vec::new(),
+        undecided: Vec::new(),
     }
 }
 
-fn plate(model: usize, view: &'static str, height: u32) -> Plate {
+fn plate(models: &[usize], view: &'static str, height: u32) -> Plate {
     let grey = |shade: u8| png::encode(&Image::filled(height, height, [shade; 3])).unwrap();
     Plate {
-        model,
         view,
         height,
         reference: grey(40),
-        picture: grey(80),
-        error: grey(120),
+        shown: models
+            .iter()
+            .map(|&model| Shown {
+                model,
+                picture: grey(80),
+                error: if height == HEIGHTS[0] {
+                    grey(120)
+                } else {
+                    Vec::new()
+                },
+            })
+            .collect(),
     }
 }

@@ -1,6 +1,6 @@
 //! What an evaluation comes to: a verdict for each LOD, and the rows of its table on the terminal.
 
-use super::text::{fixed, number, percent, signed_percent};
+use super::text::{fixed, number, percent, plus_minus, signed_percent};
 use super::{Evaluation, Model, Scores};
 
 /// Covered area may differ from the full tree's by this part (mean over views, without its sign) in a
@@ -125,7 +125,7 @@ pub(super) fn largest(model: &Model) -> Option<&Scores> {
 }
 
 /// Names of the table's columns; `#` marks a number, to be aligned on the right.
-pub const TABLE_HEADER: [&str; 10] = [
+pub const TABLE_HEADER: [&str; 13] = [
     "model",
     "#budget",
     "#triangles",
@@ -135,12 +135,17 @@ pub const TABLE_HEADER: [&str; 10] = [
     "#area",
     "#area off",
     "#FLIP",
+    "#worst",
+    "#pop",
+    "#flicker",
     "verdict",
 ];
 
 /// The table's rows, one for each model, as long as [`TABLE_HEADER`]; figures over all views at the
 /// largest height. `up to px` is the height of the tree on a screen of 1080 lines up to which a LOD may be shown,
-/// `area` the change of the covered area, `area off` the same without its sign, per view.
+/// `area` the change of the covered area, `area off` the same without its sign, per view; `FLIP` is the mean over
+/// both lights and `worst` the larger; `pop` is FLIP at the switch from the next finer LOD, `flicker` the change
+/// from frame to frame of an orbit by that of the full tree. Behind the IoU stands half of its 95 % interval.
 #[must_use]
 pub fn table_rows(evaluation: &Evaluation) -> Vec<Vec<String>> {
     evaluation.models.iter().map(row).collect()
@@ -163,10 +168,23 @@ fn row(model: &Model) -> Vec<String> {
         number(model.triangles),
         fixed(model.layers, 2),
         shown_height(model).map_or_else(|| "-".to_owned(), |px| fixed(px, 0)),
-        score(&|s| fixed(s.iou, 3)),
+        largest(model).map_or_else(
+            || "-".to_owned(),
+            |s| {
+                let iou = fixed(s.all.iou, 3) + " " + &plus_minus(s.iou_interval, 3);
+                iou.trim_end().to_owned()
+            },
+        ),
         score(&|s| signed_percent(s.coverage)),
         score(&|s| percent(s.coverage_abs)),
         score(&|s| fixed(s.flip, 3)),
+        score(&|s| fixed(s.flip_worst, 3)),
+        model
+            .pop
+            .map_or_else(|| "-".to_owned(), |p| fixed(p.flip, 3)),
+        model
+            .flicker
+            .map_or_else(|| "-".to_owned(), |f| fixed(f.ratio, 2)),
         verdict,
     ]
 }
@@ -232,6 +250,7 @@ mod tests {
             assert_eq!(row.len(), TABLE_HEADER.len());
             assert_eq!(row[0], model.label);
         }
-        assert_eq!(rows[0][5..9], ["-", "-", "-", "-"]);
+        assert_eq!(rows[0][5..10], ["-"; 5]);
+        assert_eq!(rows[1][5], "0.930 \u{b1}0.010");
     }
 }

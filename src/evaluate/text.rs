@@ -13,6 +13,14 @@ pub(super) fn fixed(x: f32, digits: usize) -> String {
     }
 }
 
+/// Half of an interval's length, as what may be added or taken away; empty if there is no interval.
+pub(super) fn plus_minus([low, high]: [f32; 2], digits: usize) -> String {
+    match fixed((high - low) * 0.5, digits) {
+        none if none == "-" => String::new(),
+        half => format!("\u{b1}{half}"),
+    }
+}
+
 /// A part of one in percent; `-` if it is no number.
 pub(super) fn percent(x: f32) -> String {
     match fixed(x * 100.0, 1) {

@@ -5,8 +5,8 @@ use super::super::summary::{
 };
 use super::super::text::{count, fixed, percent, signed_percent};
 use super::super::{Evaluation, Model, Verdict};
-use super::html::{Size, escape, facts, minus, picture};
-use super::{chosen, count_of_triangles, plates, plates_of, tables};
+use super::html::{Size, escape, facts, minus};
+use super::{chosen, count_of_triangles, plates, tables};
 
 fn class(verdict: Verdict) -> &'static str {
     match verdict {
@@ -80,7 +80,8 @@ pub(super) fn section(page: &mut String, evaluation: &Evaluation) {
     page.push_str(&format!(
         "</div>\n<p class=\"note\"><b>Good</b>: covered area off by at most {} and IoU at least {}, both means \
          over all views, and no rival of the same budget with a better silhouette. <b>Look closely</b>: past one \
-         of the two limits, or not measured. <b>Losing</b>: a rival's IoU is better at the largest height. The limits hold at \
+         of the two limits, or not measured. <b>Losing</b>: a rival's IoU is better at the largest height, and by \
+         more than resampled views leave open (95%). The limits hold at \
          the size at which a LOD is shown: the least height measured that is not below the LOD's screen size on \
          1080 lines.</p>\n</section>\n",
         percent(MAX_COVERAGE_ERROR),
@@ -99,14 +100,9 @@ fn card(
         "<article class=\"card {}\">\n",
         class(judgement.verdict)
     ));
-    if let Some(plate) = plates::thumbnail(&plates_of(evaluation, index)) {
+    if let Some(pair) = plates::thumbnail(&plates::of_model(evaluation, index)) {
         page.push_str("<div class=\"thumb\">");
-        picture(
-            page,
-            &plate.picture,
-            &format!("{}, small", model.label),
-            Size::Fit,
-        );
+        pair.model(page, &format!("{}, small", model.label), Size::Fit);
         page.push_str("</div>\n");
     }
     page.push_str(&format!(
@@ -126,6 +122,12 @@ fn card(
             ("Area", minus(&signed_percent(scores.all.coverage))),
             ("Area off", percent(scores.all.coverage_abs)),
             ("FLIP", fixed(scores.all.flip, 3)),
+            (
+                "Pop",
+                model
+                    .pop
+                    .map_or_else(|| "-".to_owned(), |p| fixed(p.flip, 3)),
+            ),
         ]));
     }
     let judged = judgement

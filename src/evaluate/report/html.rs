@@ -38,30 +38,33 @@ pub(super) enum Size {
     True,
 }
 
-/// Adds a PNG as an `img`; a note if there are no bytes.
-pub(super) fn picture(page: &mut String, png: &[u8], alt: &str, size: Size) {
-    if png.is_empty() {
+/// Adds a picture that the page's style holds under a class; a note if its bytes are no PNG.
+pub(super) fn picture(page: &mut String, name: &str, png: &[u8], alt: &str, size: Size) {
+    if png_size(png).is_none() {
         page.push_str("<span class=\"missing\">no picture</span>");
         return;
     }
-    let (class, factor) = match size {
-        Size::Fit => ("fit", 1),
-        Size::Enlarged(factor) => ("enlarged", factor),
-        Size::True => ("true", 1),
+    let (class, style) = match size {
+        Size::Fit => ("fit", String::new()),
+        Size::Enlarged(factor) => ("enlarged", format!(" style=\"--k:{factor}\"")),
+        Size::True => ("true", String::new()),
     };
-    let dimensions = png_size(png).map_or_else(String::new, |[width, height]| {
-        format!(
-            " width=\"{}\" height=\"{}\"",
-            width.saturating_mul(factor),
-            height.saturating_mul(factor)
-        )
-    });
     page.push_str(&format!(
-        "<img class=\"{class}\"{dimensions} alt=\"{}\" src=\"data:image/png;base64,",
+        "<span class=\"pic {class} {name}\" role=\"img\"{style} aria-label=\"{}\"></span>",
         escape(alt)
     ));
-    STANDARD.encode_string(png, page);
-    page.push_str("\">");
+}
+
+/// Adds the style that holds a picture under a class; none if its bytes are no PNG.
+pub(super) fn png_rule(style: &mut String, name: &str, png: &[u8]) {
+    let Some([width, height]) = png_size(png) else {
+        return;
+    };
+    style.push_str(&format!(
+        ".{name}{{--pw:{width};--ph:{height};background-image:url(data:image/png;base64,"
+    ));
+    STANDARD.encode_string(png, style);
+    style.push_str(")}\n");
 }
 
 /// Width and height from a PNG's first chunk; none if the bytes are no PNG.
@@ -98,14 +101,16 @@ mod tests {
         assert_eq!(png_size(&bytes), Some([30, 20]));
         assert_eq!(png_size(&bytes[..20]), None, "cut off");
         assert_eq!(png_size(b"GIF89a"), None);
-        let mut page = String::new();
-        picture(&mut page, &bytes, "a \"leaf\"", Size::Enlarged(4));
-        assert!(page.contains("width=\"120\" height=\"80\""), "{page}");
-        assert!(page.contains("alt=\"a &quot;leaf&quot;\""));
-        let encoded = page
+        let (mut page, mut style) = (String::new(), String::new());
+        picture(&mut page, "p7", &bytes, "a \"leaf\"", Size::Enlarged(4));
+        assert!(page.contains("class=\"pic enlarged p7\"") && page.contains("--k:4"));
+        assert!(page.contains("aria-label=\"a &quot;leaf&quot;\""));
+        png_rule(&mut style, "p7", &bytes);
+        assert!(style.starts_with(".p7{--pw:30;--ph:20;"), "{style}");
+        let encoded = style
             .split("base64,")
             .nth(1)
-            .and_then(|rest| rest.strip_suffix("\">"))
+            .and_then(|rest| rest.strip_suffix(")}\n"))
             .unwrap();
         assert_eq!(STANDARD.decode(encoded).unwrap(), bytes);
     }

@@ -5,7 +5,7 @@ use super::super::text::{bytes, fixed, number};
 use super::super::{Evaluation, Model};
 use super::cards::badge;
 use super::html::{escape, facts};
-use super::{chosen, plates, plates_of, tables, words};
+use super::{chosen, plates, tables, words};
 
 /// One LOD: its figures, pictures and tables.
 pub(super) fn lod(page: &mut String, index: usize, model: &Model, evaluation: &Evaluation) {
@@ -24,7 +24,13 @@ pub(super) fn lod(page: &mut String, index: usize, model: &Model, evaluation: &E
             "<p class=\"warns\"><b>At {height} px</b> {reasons}.</p>\n"
         ));
     }
-    plates::section(page, model, &plates_of(evaluation, index), "h3");
+    plates::section(
+        page,
+        model,
+        &plates::of_model(evaluation, index),
+        "h3",
+        judgement.height,
+    );
     page.push_str(&tables::scores(model));
     page.push_str("</section>\n");
 }
@@ -49,7 +55,8 @@ pub(super) fn rivals(page: &mut String, evaluation: &Evaluation) {
             )),
             model_facts(model, evaluation)
         ));
-        plates::section(page, model, &plates_of(evaluation, index), "h4");
+        let pairs = plates::of_model(evaluation, index);
+        plates::section(page, model, &pairs, "h4", None);
         page.push_str(&format!(
             "<details><summary>All figures</summary>\n{}</details>\n</article>\n",
             tables::scores(model)
@@ -77,6 +84,23 @@ fn model_facts(model: &Model, evaluation: &Evaluation) -> String {
     if let Some(height) = shown_height(model) {
         pairs.push(("Shown up to", fixed(height, 0) + " px of 1080"));
     }
+    if let Some(pop) = model.pop {
+        let words = format!(
+            "{}, worst {}, at {} px",
+            fixed(pop.flip, 3),
+            fixed(pop.worst, 3),
+            pop.height
+        );
+        pairs.push(("Pop (FLIP at the switch)", words));
+    }
+    if let Some(flicker) = model.flicker {
+        let words = format!(
+            "{} of the full tree, worst step {}",
+            fixed(flicker.ratio, 2),
+            fixed(flicker.worst_ratio, 2)
+        );
+        pairs.push(("Flicker", words));
+    }
     if !model.rival {
         pairs.push(("Foliage texture, shared", bytes(evaluation.texture_bytes)));
     }
@@ -91,10 +115,19 @@ fn model_facts(model: &Model, evaluation: &Evaluation) -> String {
     facts(&pairs)
 }
 
-/// A line for each rival that beats the model, with both silhouettes.
+/// A line for each rival that beats the model, with both silhouettes, and one for those that may.
 fn losses(model: &Model, evaluation: &Evaluation) -> String {
     let iou = |m: &Model| largest(m).map_or_else(|| "-".to_owned(), |s| fixed(s.all.iou, 3));
-    model
+    let undecided: Vec<String> = model.undecided.iter().map(|name| escape(name)).collect();
+    let undecided = if undecided.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "<p class=\"hint\">These views do not tell whether the silhouette is better than that of {}.</p>\n",
+            undecided.join(", ")
+        )
+    };
+    let losses: String = model
         .loses_to
         .iter()
         .map(|name| {
@@ -110,5 +143,6 @@ fn losses(model: &Model, evaluation: &Evaluation) -> String {
                 escape(name)
             )
         })
-        .collect()
+        .collect();
+    losses + &undecided
 }

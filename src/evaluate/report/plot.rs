@@ -15,6 +15,9 @@ const BOTTOM: f64 = 322.0;
 const MARGIN: f64 = 16.0;
 const NAMES_MARGIN: f64 = 76.0;
 
+/// Room for the words beside a limit.
+const LIMIT_NAME: f64 = 130.0;
+
 /// Least distance between the names of two lines.
 const NAME_GAP: f64 = 16.0;
 
@@ -174,10 +177,12 @@ impl Plot {
         if let Some(limit) = &self.limit {
             let y = self.y_at(limit.at);
             let (left, right) = (LEFT, self.right());
+            let is_at_end = self.hides(left..left + LIMIT_NAME, y);
             svg.push_str(&format!(
                 "<line class=\"limit\" x1=\"{left:.1}\" y1=\"{y:.1}\" x2=\"{right:.1}\" y2=\"{y:.1}\"></line>\
-                 <text class=\"limit-name\" x=\"{:.1}\" y=\"{:.1}\">{}</text>\n",
-                left + 6.0,
+                 <text class=\"limit-name{}\" x=\"{:.1}\" y=\"{:.1}\">{}</text>\n",
+                if is_at_end { " end" } else { "" },
+                if is_at_end { right - 6.0 } else { left + 6.0 },
                 y - 5.0,
                 escape(&limit.words)
             ));
@@ -188,6 +193,14 @@ impl Plot {
         self.names(&mut svg);
         svg.push_str("</svg>\n");
         svg
+    }
+
+    /// True if a point stands where words above the height `y` would.
+    fn hides(&self, columns: core::ops::Range<f64>, y: f64) -> bool {
+        let mut points = self.series.iter().flat_map(|s| &s.points);
+        points.any(|(x, value, _)| {
+            columns.contains(&self.x_at(*x)) && (y - 24.0..y + 8.0).contains(&self.y_at(*value))
+        })
     }
 
     fn right(&self) -> f64 {

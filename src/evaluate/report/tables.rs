@@ -1,8 +1,8 @@
 //! The report's tables.
 
 use super::super::summary::{is_coverage_good, is_iou_good, judge, largest, shown_height};
-use super::super::text::{fixed, number, percent, signed_percent};
-use super::super::{Evaluation, Model, Score};
+use super::super::text::{fixed, number, percent, plus_minus, signed_percent};
+use super::super::{Evaluation, Model, Score, Scores};
 use super::cards::badge;
 use super::html::{escape, minus};
 use super::words;
@@ -32,9 +32,9 @@ pub(super) fn models(evaluation: &Evaluation, rivals: bool) -> String {
     if !rivals {
         head.extend(["Error", "Up to"]);
     }
-    head.extend(["IoU", "Area", "Area off", "FLIP", "Normals"]);
+    head.extend(["IoU", "Area", "Area off", "FLIP", "Normals", "Worst"]);
     if !rivals {
-        head.push("Verdict");
+        head.extend(["Pop", "Flicker", "Verdict"]);
     }
     head.push(state);
     let head: String = head
@@ -78,12 +78,22 @@ fn model_row(index: usize, model: &Model, evaluation: &Evaluation) -> String {
         cell(&shown_height(model).map_or_else(|| "-".to_owned(), |px| fixed(px, 0) + " px"));
     }
     match largest(model) {
-        Some(scores) => row.push_str(&score_cells(&scores.all, "")),
-        None => row.push_str(&"<td>-</td>".repeat(5)),
+        Some(scores) => row.push_str(&format!(
+            "{}<td>{}</td>",
+            score_cells(&scores.all, "", Some(scores)),
+            fixed(scores.all.flip_worst, 3)
+        )),
+        None => row.push_str(&"<td>-</td>".repeat(6)),
     }
     if !model.rival {
         row.push_str(&format!(
-            "<td class=\"text\">{}</td>",
+            "<td>{}</td><td>{}</td><td class=\"text\">{}</td>",
+            model
+                .pop
+                .map_or_else(|| "-".to_owned(), |p| fixed(p.flip, 3)),
+            model
+                .flicker
+                .map_or_else(|| "-".to_owned(), |f| fixed(f.ratio, 2)),
             badge(judge(model).verdict)
         ));
     }
@@ -113,9 +123,9 @@ pub(super) fn scores(model: &Model) -> String {
         .scores
         .iter()
         .map(|s| {
-            let cells: String = [&s.all, &s.side, &s.aerial]
+            let cells: String = [(&s.all, Some(s)), (&s.side, None), (&s.aerial, None)]
                 .iter()
-                .map(|score| score_cells(score, " class=\"first\""))
+                .map(|(score, intervals)| score_cells(score, " class=\"first\"", *intervals))
                 .collect();
             format!("<tr><th scope=\"row\">{} px</th>{cells}</tr>\n", s.height)
         })
@@ -143,8 +153,17 @@ fn first_of_group(index: usize) -> &'static str {
     if index == 0 { " class=\"first\"" } else { "" }
 }
 
-/// Five cells; figures past their limit are marked. `first` is the attribute of the first cell.
-fn score_cells(score: &Score, first: &str) -> String {
+/// Five cells; figures past their limit are marked. `first` is the attribute of the first cell, `intervals` holds
+/// those of the figures, if they have any.
+fn score_cells(score: &Score, first: &str, intervals: Option<&Scores>) -> String {
+    let about = |interval: fn(&Scores) -> [f32; 2]| {
+        let half = intervals.map_or_else(String::new, |s| plus_minus(interval(s), 3));
+        if half.is_empty() {
+            half
+        } else {
+            format!(" <small>{half}</small>")
+        }
+    };
     let mark = |text: String, is_good: bool| {
         if is_good || text == "-" {
             text
@@ -162,9 +181,11 @@ fn score_cells(score: &Score, first: &str) -> String {
         degrees => degrees + "\u{b0}",
     };
     format!(
-        "<td{first}>{iou}</td><td>{}</td><td>{off}</td><td>{}</td><td>{normals}</td>",
+        "<td{first}>{iou}{}</td><td>{}</td><td>{off}</td><td>{}{}</td><td>{normals}</td>",
+        about(|s| s.iou_interval),
         minus(&signed_percent(score.coverage)),
         fixed(score.flip, 3),
+        about(|s| s.flip_interval),
     )
 }
 
@@ -234,18 +255,18 @@ mod tests {
             iou: 0.9,
             ..Score::default()
         };
-        assert!(!score_cells(&good, "").contains("past"));
+        assert!(!score_cells(&good, "", None).contains("past"));
         let thin = Score {
             coverage_abs: 0.2,
             ..good
         };
-        assert_eq!(score_cells(&thin, "").matches("past").count(), 1);
+        assert_eq!(score_cells(&thin, "", None).matches("past").count(), 1);
         let unknown = Score {
             iou: f32::NAN,
             ..good
         };
         assert!(
-            !score_cells(&unknown, "").contains("past"),
+            !score_cells(&unknown, "", None).contains("past"),
             "a dash is no fault"
         );
     }
