@@ -25,8 +25,11 @@ const LAYERS: &[(&str, &[&str])] = &[
         "render to texture; the finished tree",
         &["capture", "asset"],
     ),
-    ("pictures compared", &["measure"]),
-    ("the list of stages; pictures", &["pipeline", "preview"]),
+    ("pictures compared; the graphics adapter", &["measure", "gpu"]),
+    (
+        "the list of stages; pictures, drawn by a processor or an adapter",
+        &["pipeline", "preview", "render"],
+    ),
     ("files", &["pack"]),
     ("LODs judged", &["evaluate"]),
     ("many trees", &["batch"]),
