@@ -35,6 +35,9 @@ impl Cutouts {
     }
 }
 
+/// Pixels are counted in runs whose sums fit a byte: many of them add at once.
+const RUN: usize = 240;
+
 /// Covered pixels of one picture, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Silhouette {
@@ -68,21 +71,30 @@ impl Silhouette {
     /// Adds a mesh, moved to `place`.
     pub fn add(&mut self, mesh: &Mesh, place: &Similarity, cutouts: &Cutouts, view: &View) {
         let covered = &mut self.covered;
+        let width = view.width as usize;
         let atlas = &cutouts.0;
         each_triangle(mesh, place, view, |corners, uv| {
             let Some(uv) = uv else {
-                spans(corners, view, |row, columns| {
+                spans(corners, view, |y, columns| {
+                    let row = y as usize * width;
                     covered[row + columns.start..row + columns.end].fill(true);
                 });
                 return;
             };
-            let texels = Gradient::of(corners, uv, atlas);
-            let width = view.width as usize;
-            spans(corners, view, |row, columns| {
-                let mut at = texels.at(columns.start, row / width);
+            // Inside a crown most samples are covered already: they need no texture coordinates.
+            let mut texels = None;
+            spans(corners, view, |y, columns| {
+                let row = y as usize * width;
                 let pixels = &mut covered[row + columns.start..row + columns.end];
+                if pixels.iter().all(|&covered| covered) {
+                    return;
+                }
+                let texels = texels.get_or_insert_with(|| Gradient::of(corners, uv, atlas));
+                let mut at = texels.at(columns.start, y);
                 for pixel in pixels {
-                    *pixel |= Gradient::covers(at, atlas);
+                    if !*pixel {
+                        *pixel = Gradient::covers(at, atlas);
+                    }
                     at = [at[0] + texels.step[0], at[1] + texels.step[1]];
                 }
             });
@@ -99,7 +111,11 @@ impl Silhouette {
     /// Covered pixels.
     #[must_use]
     pub fn area(&self) -> u64 {
-        self.covered.iter().filter(|&&c| c).count() as u64
+        let count = |run: &[bool]| run.iter().map(|&c| u8::from(c)).sum::<u8>();
+        self.covered
+            .chunks(RUN)
+            .map(|run| u64::from(count(run)))
+            .sum()
     }
 
     /// Pixels covered in one and not in the other.
@@ -117,9 +133,10 @@ impl Silhouette {
     pub fn overlap(&self, other: &Self) -> (u64, u64) {
         assert_eq!(self.covered.len(), other.covered.len(), "one view for both");
         let (mut both, mut either) = (0, 0);
-        for (&a, &b) in self.covered.iter().zip(&other.covered) {
-            both += u64::from(a & b);
-            either += u64::from(a | b);
+        for (a, b) in self.covered.chunks(RUN).zip(other.covered.chunks(RUN)) {
+            let pairs = || a.iter().zip(b);
+            both += u64::from(pairs().map(|(a, b)| u8::from(a & b)).sum::<u8>());
+            either += u64::from(pairs().map(|(a, b)| u8::from(a | b)).sum::<u8>());
         }
         (both, either)
     }
@@ -177,8 +194,8 @@ impl Gradient {
         clippy::cast_precision_loss,
         reason = "picture sizes are far below 2^52"
     )]
-    fn at(&self, x: usize, y: usize) -> [f64; 2] {
-        let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
+    fn at(&self, x: usize, y: u32) -> [f64; 2] {
+        let (x, y) = (x as f64 + 0.5, f64::from(y) + 0.5);
         core::array::from_fn(|k| self.origin[k] + self.step[k] * x + self.down[k] * y)
     }
 
@@ -197,30 +214,44 @@ impl Gradient {
     }
 }
 
-/// Calls `fill` with the index of each row's first pixel and the columns whose middles a triangle covers: from
-/// its left edge to before its right one, so that triangles that share an edge share no pixel.
+/// Calls `fill` with each row and the columns whose middles a triangle covers: from its left edge to before
+/// its right one, so that triangles that share an edge share no pixel.
 #[inline]
-fn spans(
-    mut corners: [Vec2; 3],
-    view: &View,
-    mut fill: impl FnMut(usize, core::ops::Range<usize>),
-) {
-    corners.sort_by(|a, b| a.y.total_cmp(&b.y));
-    let [top, middle, bottom] = corners;
+fn spans(corners: [Vec2; 3], view: &View, mut fill: impl FnMut(u32, core::ops::Range<usize>)) {
+    let [mut top, mut middle, mut bottom] = corners;
+    for _ in 0..2 {
+        if middle.y < top.y {
+            (top, middle) = (middle, top);
+        }
+        if bottom.y < middle.y {
+            (middle, bottom) = (bottom, middle);
+        }
+    }
     // First row whose middle lies below a height.
     let row = |y: f32| floor_to_u32((y + 0.5).max(0.0)).min(view.height);
     let column = |x: f32| floor_to_u32((x + 0.5).max(0.0)).min(view.width) as usize;
-    let across = |a: Vec2, b: Vec2, y: f32| a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
+    // Columns for a row, from the upper end downward: edges that two triangles share are the same in both.
+    let slope = |a: Vec2, b: Vec2| (b.x - a.x) / (b.y - a.y);
+    let rows = [row(top.y), row(middle.y), row(bottom.y)];
+    if rows[0] == rows[2] {
+        return;
+    }
+    let long = slope(top, bottom);
     for (first, last, from, to) in [
-        (row(top.y), row(middle.y), top, middle),
-        (row(middle.y), row(bottom.y), middle, bottom),
+        (rows[0], rows[1], top, middle),
+        (rows[1], rows[2], middle, bottom),
     ] {
+        if first == last {
+            continue;
+        }
+        let short = slope(from, to);
         for y in first..last {
             let height = float(y) + 0.5;
-            let (one, other) = (across(from, to, height), across(top, bottom, height));
+            let one = from.x + short * (height - from.y);
+            let other = top.x + long * (height - top.y);
             let (left, right) = (column(one.min(other)), column(one.max(other)));
             if left < right {
-                fill(y as usize * view.width as usize, left..right);
+                fill(y, left..right);
             }
         }
     }
@@ -257,9 +288,11 @@ fn each_triangle(
             .collect()
     };
     let has_samples = |[a, b, c]: [Vec2; 3]| {
-        let (low, high) = (a.min(b).min(c) + 0.5, a.max(b).max(c) + 0.5);
-        low.x.floor() != high.x.floor()
-            && low.y.floor() != high.y.floor()
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        // Whole numbers from 0 up: what lies above or left of the picture has none either.
+        let cell = |x: f32| floor_to_u32((x + 0.5).max(0.0));
+        cell(low.x) != cell(high.x)
+            && cell(low.y) != cell(high.y)
             && (b - a).perp_dot(c - a).is_normal()
     };
     let bark = project(&mesh.bark);
