@@ -503,7 +503,7 @@ impl TrialQuad {
                 captured_thickness: 1.0,
                 uv: UvRect::ALL,
             },
-            cutouts: Cutouts::from_silhouette(silhouette),
+            cutouts: Cutouts::from_silhouette(&silhouette),
         }
     }
 

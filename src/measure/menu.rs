@@ -419,7 +419,7 @@ impl Gauge<'_> {
                 })
                 .collect()
         };
-        let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32) {
+        let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32, Vec<TrialQuad>) {
             let quads = trial(&planes);
             let (scale, error) = best_scale(context, &quads);
             let mut scales = vec![scale; planes.len()];
@@ -435,6 +435,7 @@ impl Gauge<'_> {
                     name,
                 },
                 error,
+                quads,
             )
         };
         let star =
@@ -449,7 +450,7 @@ impl Gauge<'_> {
             }
         }
         let turn = found.turn;
-        found.cross = Some((trial(&best.0.planes), best.1));
+        found.cross = Some((best.2, best.1));
         found.cross_scale = best.0.scales[0];
         let others_only = !matches!(forced, None | Some(ClosedForm::Cross));
         if !others_only {
@@ -457,7 +458,7 @@ impl Gauge<'_> {
                 .forms
                 .push((Look::Cross(best.0.scales[0]), closed(4, best.1)));
         }
-        let sets: Vec<(Set, f32)> = match forced {
+        let sets: Vec<(Set, f32, Vec<TrialQuad>)> = match forced {
             Some(ClosedForm::Cross) => Vec::new(),
             Some(ClosedForm::CrossTop) => vec![attempt(star(2, turn, true), CROSS_TOP.to_owned())],
             Some(ClosedForm::StarTop) => vec![attempt(star(3, turn, true), STAR_TOP.to_owned())],
@@ -493,7 +494,7 @@ impl Gauge<'_> {
         if !others_only {
             found.shifts.push(shift(&best.0.planes));
         }
-        for (set, error) in sets {
+        for (set, error, _) in sets {
             let triangles = 2 * set.planes.len() as u64;
             found.shifts.push(shift(&set.planes));
             found

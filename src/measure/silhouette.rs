@@ -14,24 +14,62 @@ use crate::mesh::{Mesh, Primitive};
 /// Samples read the finest texels, never mips: then a covered share is right in the mean however far away the
 /// tree is, where the alpha test of a mip is right for some parts of an atlas and wrong for others.
 #[derive(Clone, Debug)]
-pub struct Cutouts(Image<bool>);
+pub struct Cutouts {
+    width: u32,
+    height: u32,
+    /// Words of a row.
+    stride: usize,
+    /// A bit a texel, row by row from the top: an atlas stays in a processor's near memory.
+    bits: Vec<u64>,
+}
 
 impl Cutouts {
     /// Cuts an atlas at the alpha of exported materials.
     #[must_use]
     pub fn of(atlas: &Image<Texel>) -> Self {
-        Self(atlas.map(|t| t.alpha >= ALPHA_CUTOFF))
+        let is_there: Vec<bool> = atlas
+            .texels()
+            .iter()
+            .map(|t| t.alpha >= ALPHA_CUTOFF)
+            .collect();
+        Self::from_texels(atlas.width(), atlas.height(), &is_there)
     }
 
     /// A picture of coverage as a texture.
     #[must_use]
-    pub fn from_silhouette(silhouette: Silhouette) -> Self {
-        let Silhouette {
+    pub fn from_silhouette(silhouette: &Silhouette) -> Self {
+        Self::from_texels(silhouette.width, silhouette.height, &silhouette.covered)
+    }
+
+    fn from_texels(width: u32, height: u32, texels: &[bool]) -> Self {
+        let stride = width.div_ceil(64) as usize;
+        let mut bits = vec![0_u64; stride * height as usize];
+        let rows = texels.chunks_exact(width.max(1) as usize);
+        for (words, row) in bits.chunks_exact_mut(stride.max(1)).zip(rows) {
+            for (word, texels) in words.iter_mut().zip(row.chunks(64)) {
+                *word = texels
+                    .iter()
+                    .rev()
+                    .fold(0, |word, &t| word << 1 | u64::from(t));
+            }
+        }
+        Self {
             width,
             height,
-            covered,
-        } = silhouette;
-        Self(Image::from_texels(width, height, covered))
+            stride,
+            bits,
+        }
+    }
+
+    /// True if the texel is there; the nearest one for places outside.
+    #[inline]
+    fn at(&self, x: i64, y: i64) -> bool {
+        let clamp = |x: i64, size: u32| {
+            let inside = x.clamp(0, i64::from(size) - 1);
+            usize::try_from(inside).unwrap_or(0)
+        };
+        let (x, y) = (clamp(x, self.width), clamp(y, self.height));
+        self.bits[y * self.stride + x / 64] >> (x % 64) & 1 == 1
     }
 }
 
@@ -72,7 +110,6 @@ impl Silhouette {
     pub fn add(&mut self, mesh: &Mesh, place: &Similarity, cutouts: &Cutouts, view: &View) {
         let covered = &mut self.covered;
         let width = view.width as usize;
-        let atlas = &cutouts.0;
         each_triangle(mesh, place, view, |corners, uv| {
             let Some(uv) = uv else {
                 spans(corners, view, |y, columns| {
@@ -89,13 +126,14 @@ impl Silhouette {
                 if pixels.iter().all(|&covered| covered) {
                     return;
                 }
-                let texels = texels.get_or_insert_with(|| Gradient::of(corners, uv, atlas));
+                let texels = texels.get_or_insert_with(|| Gradient::of(corners, uv, cutouts));
                 let mut at = texels.at(columns.start, y);
                 for pixel in pixels {
                     if !*pixel {
-                        *pixel = Gradient::covers(at, atlas);
+                        *pixel = cutouts.at(at[0] >> FRACTION, at[1] >> FRACTION);
                     }
-                    at = [at[0] + texels.step[0], at[1] + texels.step[1]];
+                    at[0] = at[0].wrapping_add(texels.step[0]);
+                    at[1] = at[1].wrapping_add(texels.step[1]);
                 }
             });
         });
@@ -161,57 +199,60 @@ impl Silhouette {
     }
 }
 
-/// Texture coordinates, in texels, over a triangle in a picture. In doubles: a sliver's gradients are steep.
+/// Bits of a texture coordinate behind the point.
+const FRACTION: u32 = 32;
+
+/// Texture coordinates, in texels, over a triangle in a picture. Found in doubles, since a sliver's gradients are
+/// steep; followed in whole numbers.
 struct Gradient {
     /// At the picture's upper left corner.
     origin: [f64; 2],
     /// For a step to the right and a step down.
-    step: [f64; 2],
+    right: [f64; 2],
     down: [f64; 2],
+    /// For a step to the right, with [`FRACTION`] bits behind the point.
+    step: [i64; 2],
 }
 
 impl Gradient {
-    fn of(corners: [Vec2; 3], uv: [[f32; 2]; 3], atlas: &Image<bool>) -> Self {
+    fn of(corners: [Vec2; 3], uv: [[f32; 2]; 3], cutouts: &Cutouts) -> Self {
         let [a, b, c] = corners.map(|p| p.to_array().map(f64::from));
         let (ab, ac) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
         let inverse = 1.0 / (ab[0] * ac[1] - ab[1] * ac[0]);
-        let size = [f64::from(atlas.width()), f64::from(atlas.height())];
+        let size = [f64::from(cutouts.width), f64::from(cutouts.height)];
         let axis = |k: usize| {
             let [ta, tb, tc] = uv.map(|t| f64::from(t[k]) * size[k]);
-            let step = ((tb - ta) * ac[1] - (tc - ta) * ab[1]) * inverse;
+            let right = ((tb - ta) * ac[1] - (tc - ta) * ab[1]) * inverse;
             let down = ((tc - ta) * ab[0] - (tb - ta) * ac[0]) * inverse;
-            (ta - step * a[0] - down * a[1], step, down)
+            (ta - right * a[0] - down * a[1], right, down)
         };
         let (u, v) = (axis(0), axis(1));
         Self {
             origin: [u.0, v.0],
-            step: [u.1, v.1],
+            right: [u.1, v.1],
             down: [u.2, v.2],
+            step: [u.1, v.1].map(fixed),
         }
     }
 
+    /// At the middle of a pixel, with [`FRACTION`] bits behind the point.
     #[expect(
         clippy::cast_precision_loss,
         reason = "picture sizes are far below 2^52"
     )]
-    fn at(&self, x: usize, y: u32) -> [f64; 2] {
+    fn at(&self, x: usize, y: u32) -> [i64; 2] {
         let (x, y) = (x as f64 + 0.5, f64::from(y) + 0.5);
-        core::array::from_fn(|k| self.origin[k] + self.step[k] * x + self.down[k] * y)
+        core::array::from_fn(|k| fixed(self.origin[k] + self.right[k] * x + self.down[k] * y))
     }
+}
 
-    /// True if the nearest texel is there; a corner's rounding may point just outside.
-    #[inline]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "texel coordinates; casts saturate"
-    )]
-    fn covers([u, v]: [f64; 2], atlas: &Image<bool>) -> bool {
-        let clamp = |x: i32, size: u32| x.max(0).unsigned_abs().min(size - 1);
-        *atlas.at(
-            clamp(u as i32, atlas.width()),
-            clamp(v as i32, atlas.height()),
-        )
-    }
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the cast saturates, far outside of any texture"
+)]
+fn fixed(texels: f64) -> i64 {
+    const ONE: f64 = (1_u64 << FRACTION) as f64;
+    (texels * ONE) as i64
 }
 
 /// Calls `fill` with each row and the columns whose middles a triangle covers: from its left edge to before

@@ -247,16 +247,17 @@ fn block_misses(a: &Silhouette, b: &Silhouette) -> [u64; BLOCKS] {
 
 /// Sums of two by two, of fewer at the right and lower edges.
 fn quartered(blocks: &[i16], width: usize) -> Vec<i16> {
-    let rows = blocks.chunks(2 * width.max(1));
-    let row = |pair: &[i16]| {
+    let columns = width.div_ceil(2);
+    let mut sums = Vec::with_capacity(blocks.len().div_ceil(4) + columns);
+    for pair in blocks.chunks(2 * width.max(1)) {
+        let first = sums.len();
         let (upper, lower) = pair.split_at(width);
-        let column = |x: usize| {
-            let both = |row: &[i16]| row.iter().skip(x).take(2).sum::<i16>();
-            both(upper) + both(lower)
-        };
-        (0..width).step_by(2).map(column).collect::<Vec<i16>>()
-    };
-    rows.flat_map(row).collect()
+        sums.extend(upper.chunks(2).map(|c| c.iter().sum::<i16>()));
+        for (sum, c) in sums[first..].iter_mut().zip(lower.chunks(2)) {
+            *sum += c.iter().sum::<i16>();
+        }
+    }
+    sums
 }
 
 /// Edge of the blocks, in samples, over which the miss falls to the tolerance: between steps in the logarithm,
