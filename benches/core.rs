@@ -106,7 +106,8 @@ fn forms(species: &Species, tree: &Tree) -> Forms {
     let cutouts = Cutouts::of(&sheet);
     let turns = capture::standing(tree);
     let budgets = &species.lod.budgets;
-    menu::forms(tree, &species.lod, &leaves, &cutouts, &turns, budgets).expect("small enough")
+    let turns = (&turns[..], &budgets[..]);
+    menu::forms(tree, &species.lod, &leaves, &cutouts, turns, &Quiet).expect("small enough")
 }
 
 #[divan::bench(sample_count = 5)]

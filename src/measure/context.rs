@@ -4,6 +4,7 @@
 //! parent carries, with everything else at full detail. Silhouettes of parts unite, so what does not change
 //! is drawn once.
 
+use super::MeasureError;
 use super::silhouette::{Cutouts, Silhouette, seen_bounds};
 use super::views::{Direction, calibration, sphere};
 use crate::capture::{CAPTURE_SPLINE_LOD, View};
@@ -13,8 +14,10 @@ use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3};
 use crate::mesh::card::{Quad, UvRect};
 use crate::mesh::{Flattener, Form, Mesh, TooLarge, card};
+use crate::report::{Cancelled, Progress};
 use crate::tree::{Kind, Tree};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Samples along the longer side of a sub-tree's pictures.
 const SUBTREE_SAMPLES: f32 = 128.0;
@@ -38,34 +41,64 @@ pub(super) struct Gauge<'a> {
     pub(super) turns: &'a [Quat],
     /// Triangle budgets.
     pub(super) budgets: &'a [u64],
+    /// Asked whether to give up.
+    pub(super) progress: &'a dyn Progress,
+}
+
+/// What all trials on a tree look at, drawn once.
+pub(super) struct Scenes {
+    /// By level and prototype; none for leaves.
+    scenes: Vec<Vec<Option<Scene>>>,
+    /// By level and prototype of the parent: the nodes of the level that it carries, if they are measured in it.
+    families: Vec<Vec<Option<Family>>>,
+}
+
+/// Everything that a prototype stands for, by itself.
+pub(super) struct Scene {
+    pub(super) mesh: Mesh,
+    /// Pictures are taken with these.
+    views: Vec<View>,
+    /// Everything.
+    full: Vec<Silhouette>,
+    /// Edge of a sample, metres.
+    sample: f32,
+}
+
+/// The nodes of one level under one parent, in the parent's views.
+struct Family {
+    /// The parent without these nodes.
+    rest: Vec<Silhouette>,
+    /// By prototype: its nodes, and all of them drawn.
+    members: Vec<(Vec<Similarity>, Vec<Silhouette>)>,
 }
 
 /// Reference and exchangeable nodes of one measurement.
-pub(super) struct Context {
-    /// Pictures are taken with these.
-    pub(super) views: Vec<View>,
+pub(super) struct Context<'a> {
+    scene: &'a Scene,
     /// Everything but what is exchanged.
     rest: Vec<Silhouette>,
-    /// Everything.
-    pub(super) full: Vec<Silhouette>,
     /// Nodes of the prototype that is exchanged.
-    pub(super) nodes: Vec<Similarity>,
+    nodes: &'a [Similarity],
     /// Edge of a sample, metres.
     pub(super) sample: f32,
 }
 
-/// The whole tree as seen from some views.
-pub(super) struct Whole {
-    views: Vec<View>,
-    full: Vec<Silhouette>,
-    sample: f32,
+/// A node by itself.
+const ALONE: &[Similarity] = &[Similarity::IDENTITY];
+
+impl Scenes {
+    /// A prototype that is no leaf.
+    pub(super) fn of(&self, (level, prototype): (usize, usize)) -> Option<&Scene> {
+        self.scenes[level][prototype].as_ref()
+    }
 }
 
-impl Whole {
-    /// Mean covered area of full detail, square metres.
+impl Scene {
+    /// Mean covered area, square metres, of every other view.
     pub(super) fn area(&self) -> f32 {
-        let sum: u64 = self.full.iter().map(Silhouette::area).sum();
-        real(sum) * self.sample * self.sample / real(self.views.len().max(1) as u64)
+        let seen = || self.full.iter().step_by(2);
+        let sum: u64 = seen().map(Silhouette::area).sum();
+        real(sum) * self.sample * self.sample / real(seen().count().max(1) as u64)
     }
 }
 
@@ -99,6 +132,14 @@ impl Gauge<'_> {
         self.quads.form(tree, &state, 1.0)
     }
 
+    /// Fails once the work should be given up.
+    pub(super) fn go_on(&self) -> Result<(), Cancelled> {
+        if self.progress.cancelled() {
+            return Err(Cancelled);
+        }
+        Ok(())
+    }
+
     fn flatten(&self, form: &Form, level: usize, prototype: usize) -> Result<Mesh, TooLarge> {
         let turn = self.turns[level];
         let place = Similarity {
@@ -119,7 +160,7 @@ impl Gauge<'_> {
     }
 
     /// Everything that a prototype stands for.
-    pub(super) fn subtree(&self, level: usize, prototype: usize) -> Result<Mesh, TooLarge> {
+    fn subtree(&self, level: usize, prototype: usize) -> Result<Mesh, TooLarge> {
         self.flatten(&self.form(level), level, prototype)
     }
 
@@ -180,64 +221,148 @@ impl Gauge<'_> {
         }
     }
 
+    /// Draws what all trials look at. Sub-trees of more than `limit` cards are looked at by themselves, others
+    /// with their siblings.
+    pub(super) fn scenes(&self, limit: u64) -> Result<Scenes, MeasureError> {
+        let levels = &self.tree.levels;
+        let seats: Vec<(usize, usize)> = (0..levels.len())
+            .filter(|&level| levels[level].kind != Kind::Leaf)
+            .flat_map(|level| (0..levels[level].prototypes.len()).map(move |p| (level, p)))
+            .collect();
+        let drawn: Result<Vec<Scene>, MeasureError> =
+            seats.par_iter().map(|&seat| self.scene(seat)).collect();
+        let mut scenes = Scenes {
+            scenes: rows(self.tree),
+            families: levels
+                .iter()
+                .map(|l| rows_of(l.parent.map_or(0, |p| levels[p].prototypes.len())))
+                .collect(),
+        };
+        for (&(level, prototype), scene) in seats.iter().zip(drawn?) {
+            scenes.scenes[level][prototype] = Some(scene);
+        }
+        let mut parents: Vec<(usize, (usize, usize))> = seats
+            .iter()
+            .filter(|seat| self.tree.has_children(seat.0))
+            .filter_map(|&seat| Some((seat.0, self.parent(seat, limit)?)))
+            .collect();
+        parents.sort_unstable();
+        parents.dedup();
+        let families: Result<Vec<Family>, MeasureError> = parents
+            .par_iter()
+            .map(|&(level, parent)| self.family(&scenes, level, parent))
+            .collect();
+        for ((level, parent), family) in parents.into_iter().zip(families?) {
+            scenes.families[level][parent.1] = Some(family);
+        }
+        Ok(scenes)
+    }
+
+    fn scene(&self, (level, prototype): (usize, usize)) -> Result<Scene, MeasureError> {
+        self.go_on()?;
+        let mesh = self.subtree(level, prototype)?;
+        let (views, sample) = self.views(level, &mesh);
+        Ok(Scene {
+            full: self.silhouettes(&mesh, &views)?,
+            mesh,
+            views,
+            sample,
+        })
+    }
+
+    fn family(
+        &self,
+        scenes: &Scenes,
+        level: usize,
+        parent: (usize, usize),
+    ) -> Result<Family, MeasureError> {
+        let views = scenes.of(parent).map_or(&[][..], |s| &s.views);
+        let rest = self.silhouettes(&self.without_level(parent, level)?, views)?;
+        let nodes = self.nodes(parent, level).into_iter().enumerate();
+        let members: Result<Vec<_>, MeasureError> = nodes
+            .map(|(prototype, places)| {
+                let scene = scenes.of((level, prototype)).filter(|_| !places.is_empty());
+                let Some(scene) = scene else {
+                    return Ok((places, Vec::new()));
+                };
+                let draw = |view: &View| {
+                    let mut silhouette = Silhouette::empty(view);
+                    for place in &places {
+                        self.go_on()?;
+                        silhouette.add(&scene.mesh, place, self.cutouts, view);
+                    }
+                    Ok(silhouette)
+                };
+                let drawn: Result<Vec<Silhouette>, MeasureError> =
+                    views.par_iter().map(draw).collect();
+                Ok((places, drawn?))
+            })
+            .collect();
+        Ok(Family {
+            rest,
+            members: members?,
+        })
+    }
+
     /// The context in which a prototype's own branch is exchanged: its sub-tree.
-    pub(super) fn own_part(&self, level: usize, prototype: usize) -> Result<Context, TooLarge> {
-        let full = self.subtree(level, prototype)?;
+    pub(super) fn own_part<'s>(
+        &self,
+        scene: &'s Scene,
+        (level, prototype): (usize, usize),
+    ) -> Result<Context<'s>, MeasureError> {
         let rest = self.without_own(level, prototype)?;
-        Ok(self.context(level, &full, &rest, vec![Similarity::IDENTITY]))
+        Ok(Context {
+            rest: self.silhouettes(&rest, &scene.views)?,
+            scene,
+            nodes: ALONE,
+            sample: scene.sample,
+        })
     }
 
     /// The context in which whole nodes of a prototype are exchanged: one parent with all its children if
     /// there is one with at most `limit` cards, else the node alone.
-    pub(super) fn whole_node(
+    pub(super) fn whole_node<'s>(
         &self,
-        (level, prototype): (usize, usize),
+        scenes: &'s Scenes,
+        scene: &'s Scene,
+        seat: (usize, usize),
         limit: u64,
-    ) -> Result<Context, TooLarge> {
-        let Some(parent) = self.parent((level, prototype), limit) else {
-            let full = self.subtree(level, prototype)?;
-            return Ok(self.context(level, &full, &Mesh::default(), vec![Similarity::IDENTITY]));
+    ) -> Context<'s> {
+        let parent = self.parent(seat, limit);
+        let family =
+            parent.and_then(|p| Some((scenes.of(p)?, scenes.families[seat.0][p.1].as_ref()?)));
+        let Some((scene, family)) = family else {
+            return Context {
+                rest: scene.views.iter().map(Silhouette::empty).collect(),
+                scene,
+                nodes: ALONE,
+                sample: scene.sample,
+            };
         };
-        let full = self.subtree(parent.0, parent.1)?;
-        let mut rest = vec![(
-            self.without_level(parent, level)?,
-            vec![Similarity::IDENTITY],
-        )];
-        let mut nodes = self.nodes(parent, level);
-        let own = core::mem::take(&mut nodes[prototype]);
-        for (other, places) in nodes.into_iter().enumerate() {
-            if !places.is_empty() {
-                rest.push((self.subtree(level, other)?, places));
+        let mut rest = family.rest.clone();
+        for (other, (_, drawn)) in family.members.iter().enumerate() {
+            if other != seat.1 {
+                rest.iter_mut()
+                    .zip(drawn)
+                    .for_each(|(all, drawn)| all.unite(drawn));
             }
         }
-        let views = self.views(parent.0, &full);
-        let draw = |view: &View| {
-            let mut silhouette = Silhouette::empty(view);
-            for (mesh, places) in &rest {
-                for place in places {
-                    silhouette.add(mesh, place, self.cutouts, view);
-                }
-            }
-            silhouette
-        };
-        Ok(Context {
-            rest: views.0.par_iter().map(draw).collect(),
-            full: silhouettes(&full, self.cutouts, &views.0),
-            views: views.0,
-            nodes: own,
-            sample: views.1,
-        })
+        Context {
+            rest,
+            scene,
+            nodes: &family.members[seat.1].0,
+            sample: scene.sample,
+        }
     }
 
-    fn context(&self, level: usize, full: &Mesh, rest: &Mesh, nodes: Vec<Similarity>) -> Context {
-        let (views, sample) = self.views(level, full);
-        Context {
-            rest: silhouettes(rest, self.cutouts, &views),
-            full: silhouettes(full, self.cutouts, &views),
-            views,
-            nodes,
-            sample,
-        }
+    fn silhouettes(&self, mesh: &Mesh, views: &[View]) -> Result<Vec<Silhouette>, Cancelled> {
+        let views = views.par_iter();
+        views
+            .map(|view| {
+                self.go_on()?;
+                Ok(Silhouette::of(mesh, self.cutouts, view))
+            })
+            .collect()
     }
 
     /// Views on a sub-tree: the calibration views on the whole tree, others from all around.
@@ -264,52 +389,52 @@ impl Gauge<'_> {
         (directions.iter().map(view).collect(), sample)
     }
 
-    /// Full detail of the whole tree from every other calibration view.
-    pub(super) fn whole_tree(&self) -> Result<Whole, TooLarge> {
-        let full = self.subtree(0, 0)?;
-        let (views, sample) = self.views(0, &full);
-        let views: Vec<View> = views.into_iter().step_by(2).collect();
-        Ok(Whole {
-            full: silhouettes(&full, self.cutouts, &views),
-            views,
-            sample,
-        })
-    }
-
     /// The error of the whole tree with all nodes of a level as crossed quads, square metres. `crosses` gives
     /// each prototype's quads with their scale; those without stay as they are.
     pub(super) fn level_error(
         &self,
-        whole: &Whole,
+        scenes: &Scenes,
         level: usize,
         crosses: &[Option<(&[TrialQuad], f32)>],
-    ) -> Result<f32, TooLarge> {
+    ) -> Result<f32, MeasureError> {
+        let Some(whole) = scenes.of((0, 0)) else {
+            return Ok(0.0);
+        };
         let rest = self.without_level((0, 0), level)?;
         let nodes = self.nodes((0, 0), level);
-        let mut drawn: Vec<(Vec<Mesh>, Vec<&Cutouts>)> = Vec::new();
+        let mut drawn: Vec<(Vec<Cow<'_, Mesh>>, Vec<&Cutouts>)> = Vec::new();
         for (prototype, cross) in crosses.iter().enumerate() {
+            let scene = scenes.of((level, prototype));
             drawn.push(match cross {
                 Some((quads, scale)) => (
-                    quads.iter().map(|q| q.mesh(*scale)).collect(),
+                    quads.iter().map(|q| Cow::Owned(q.mesh(*scale))).collect(),
                     quads.iter().map(|q| &q.cutouts).collect(),
                 ),
-                None => (vec![self.subtree(level, prototype)?], vec![self.cutouts]),
+                None => (
+                    scene.iter().map(|s| Cow::Borrowed(&s.mesh)).collect(),
+                    vec![self.cutouts],
+                ),
             });
         }
         let miss = |(view, full): (&View, &Silhouette)| {
             let mut silhouette = Silhouette::of(&rest, self.cutouts, view);
             for (places, (meshes, cutouts)) in nodes.iter().zip(&drawn) {
                 for place in places {
+                    self.go_on()?;
                     for (mesh, cutouts) in meshes.iter().zip(cutouts) {
                         silhouette.add(mesh, place, cutouts, view);
                     }
                 }
             }
-            full.difference(&silhouette)
+            Ok(full.difference(&silhouette))
         };
-        let misses: Vec<u64> = whole.views.par_iter().zip(&whole.full).map(miss).collect();
-        let views = real(whole.views.len().max(1) as u64);
-        Ok(real(misses.iter().sum()) * whole.sample * whole.sample / views)
+        // Every other view tells enough.
+        let views: Vec<(&View, &Silhouette)> =
+            whole.views.iter().zip(&whole.full).step_by(2).collect();
+        let misses: Result<Vec<u64>, Cancelled> =
+            views.par_iter().map(|&view| miss(view)).collect();
+        let count = real(views.len().max(1) as u64);
+        Ok(real(misses?.iter().sum()) * whole.sample * whole.sample / count)
     }
 
     /// The parent of at most `limit` cards that carries a prototype.
@@ -336,11 +461,14 @@ pub(super) fn cards(tree: &Tree, level: usize, prototype: usize) -> u64 {
         .sum()
 }
 
-fn silhouettes(mesh: &Mesh, cutouts: &Cutouts, views: &[View]) -> Vec<Silhouette> {
-    views
-        .par_iter()
-        .map(|view| Silhouette::of(mesh, cutouts, view))
-        .collect()
+/// Nothing yet, by level and prototype.
+fn rows<T>(tree: &Tree) -> Vec<Vec<Option<T>>> {
+    let levels = tree.levels.iter();
+    levels.map(|l| rows_of(l.prototypes.len())).collect()
+}
+
+fn rows_of<T>(count: usize) -> Vec<Option<T>> {
+    core::iter::repeat_with(|| None).take(count).collect()
 }
 
 /// A trial capture: a quad with its own little texture of coverage.
@@ -375,7 +503,7 @@ impl TrialQuad {
                 captured_thickness: 1.0,
                 uv: UvRect::ALL,
             },
-            cutouts: Cutouts::from_silhouette(silhouette),
+            cutouts: Cutouts::from_silhouette(&silhouette),
         }
     }
 
@@ -384,7 +512,7 @@ impl TrialQuad {
     }
 }
 
-impl Context {
+impl Context<'_> {
     /// Draws the exchangeable nodes as quads, scaled by `scale`.
     pub(super) fn try_quads(&self, quads: &[TrialQuad], scale: f32) -> Trial {
         self.try_scaled(quads, &vec![scale; quads.len()])
@@ -411,19 +539,20 @@ impl Context {
     }
 
     fn compare(&self, draw: impl Fn(&mut Silhouette, &Similarity, &View) + Sync) -> Trial {
-        let sums: Vec<[u64; 3]> = (0..self.views.len())
+        let Scene { views, full, .. } = self.scene;
+        let sums: Vec<[u64; 3]> = (0..views.len())
             .into_par_iter()
             .map(|i| {
                 let mut silhouette = self.rest[i].clone();
-                for node in &self.nodes {
-                    draw(&mut silhouette, node, &self.views[i]);
+                for node in self.nodes {
+                    draw(&mut silhouette, node, &views[i]);
                 }
-                let full = &self.full[i];
-                [full.difference(&silhouette), silhouette.area(), full.area()]
+                let (both, either) = full[i].overlap(&silhouette);
+                [either - both, silhouette.area(), full[i].area()]
             })
             .collect();
         let sum = |k: usize| real(sums.iter().map(|s| s[k]).sum());
-        let views = real(self.views.len() as u64);
+        let views = real(views.len() as u64);
         let first = sums.len() - sums.len() / 3;
         let scales: f32 = self.nodes.iter().map(|n| n.scale * n.scale).sum();
         Trial {

@@ -9,17 +9,20 @@
 //! one parent; what the rest of the crown hides is estimated from how much the silhouettes of all parents
 //! overlap in the whole tree.
 
-use super::context::{Context, Gauge, TrialQuad, cards};
+use super::MeasureError;
+use super::context::{Context, Gauge, Scene, Scenes, TrialQuad, cards};
 use super::silhouette::Cutouts;
 use crate::impostor::cross_quad::{self, CrossQuads};
 use crate::impostor::planes::{self, Plane};
 use crate::lod::cut::{Menu, Offer};
 use crate::lod::{Form, State};
 use crate::math::{PI, Quat, Vec3};
-use crate::mesh::{Mesh, TooLarge, tube};
+use crate::mesh::{Mesh, tube};
+use crate::report::{Cancelled, Progress};
 use crate::species::schema::{ClosedForm, Lod, Simplification};
 use crate::tree::{Branch, Part, Tree};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// In which form a prototype's node is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,39 +119,44 @@ pub const SCALES: [f32; 2] = [0.85, 1.25];
 /// Finds and measures all forms.
 ///
 /// `cutouts` holds the leaf kinds, whose places `leaves` gives; `turns` how the mean node of each level
-/// stands; `budgets` what the forms are meant for.
+/// stands; `budgets` what the forms are meant for. Each prototype is a step of `progress`.
 ///
 /// # Errors
-/// If a sub-tree is too large for 32-bit indices.
+/// If a sub-tree is too large for 32-bit indices, or `progress` says so.
 pub fn forms(
     tree: &Tree,
     lod: &Lod,
     leaves: &CrossQuads,
     cutouts: &Cutouts,
-    turns: &[Quat],
-    budgets: &[u64],
-) -> Result<Forms, TooLarge> {
+    (turns, budgets): (&[Quat], &[u64]),
+    progress: &dyn Progress,
+) -> Result<Forms, MeasureError> {
     let gauge = Gauge {
         tree,
         quads: leaves,
         cutouts,
         turns,
         budgets,
+        progress,
     };
     let seats: Vec<(usize, usize)> = (0..tree.levels.len())
         .flat_map(|l| (0..tree.levels[l].prototypes.len()).map(move |p| (l, p)))
         .collect();
-    let found: Result<Vec<Found>, TooLarge> = seats
-        .par_iter()
-        .map(|&seat| gauge.forms_of(seat, lod))
-        .collect();
+    progress.begin("measuring forms", seats.len() as u64);
+    let scenes = gauge.scenes(CONTEXT_CARDS)?;
+    let measure = |&seat: &(usize, usize)| {
+        let found = gauge.forms_of(&scenes, seat, lod)?;
+        progress.step();
+        Ok(found)
+    };
+    let found: Result<Vec<Found>, MeasureError> = seats.par_iter().map(measure).collect();
     let mut found = found?.into_iter();
     let found: Vec<Vec<Found>> = tree
         .levels
         .iter()
         .map(|l| found.by_ref().take(l.prototypes.len()).collect())
         .collect();
-    let seen = seen_parts(&gauge, &found)?;
+    let seen = seen_parts(&gauge, &scenes, &found)?;
     let mut forms = Forms {
         looks: rows(tree, Vec::new()),
         menu: Menu {
@@ -204,11 +212,14 @@ struct Found {
 /// Nodes hide each other's errors. How much is measured with all nodes of a level as crossed quads at once,
 /// against the sum of what they were found to err one parent at a time; other forms of the level are taken to
 /// be hidden alike.
-fn seen_parts(gauge: &Gauge<'_>, found: &[Vec<Found>]) -> Result<Seen, TooLarge> {
-    let whole = gauge.whole_tree()?;
+fn seen_parts(
+    gauge: &Gauge<'_>,
+    scenes: &Scenes,
+    found: &[Vec<Found>],
+) -> Result<Seen, MeasureError> {
     let scales = squared_scales(gauge.tree);
     let nodes = gauge.tree.nodes();
-    let area = whole.area();
+    let area = scenes.of((0, 0)).map_or(0.0, Scene::area);
     let sums: Vec<f32> = scales.iter().map(|s| s.iter().sum()).collect();
     let counts = nodes.iter().map(|n| n.iter().sum::<u64>());
     let weights = sums.iter().zip(counts).map(|(&sum, count)| {
@@ -234,7 +245,7 @@ fn seen_parts(gauge: &Gauge<'_>, found: &[Vec<Found>]) -> Result<Seen, TooLarge>
             .filter_map(|(f, scale)| f.cross.as_ref().map(|(_, error)| error * scale))
             .sum();
         if expected > 0.0 {
-            let error = gauge.level_error(&whole, level, &crosses)?;
+            let error = gauge.level_error(scenes, level, &crosses)?;
             parts[level] = (error / expected).clamp(SEEN[0], SEEN[1]);
         }
     }
@@ -283,18 +294,31 @@ fn squared_scales(tree: &Tree) -> Vec<Vec<f32>> {
 }
 
 impl Gauge<'_> {
-    fn forms_of(&self, seat: (usize, usize), lod: &Lod) -> Result<Found, TooLarge> {
+    fn forms_of(
+        &self,
+        scenes: &Scenes,
+        seat: (usize, usize),
+        lod: &Lod,
+    ) -> Result<Found, MeasureError> {
         let (level, prototype) = seat;
         let mut found = Found::default();
+        let Some(scene) = scenes.of(seat) else {
+            return Ok(found);
+        };
         match &self.tree.prototype(level, prototype).part {
             Part::Leaf { .. } => return Ok(found),
             Part::Stool => found.forms.push((Look::Bare, open(0, 0.0))),
-            Part::Branch(branch) => self.own_part_forms(seat, branch, lod, &mut found)?,
+            Part::Branch(branch) => {
+                let context = self.own_part(scene, seat)?;
+                self.own_part_forms(seat, branch, lod, (&context, &mut found));
+            }
         }
         if self.tree.has_children(level) {
             let name = &self.tree.levels[level].name;
             let forced = lod.forms.iter().find(|(level, _)| level == name);
-            self.closed_forms(seat, forced.map(|(_, form)| *form), &mut found)?;
+            let context = self.whole_node(scenes, scene, seat, CONTEXT_CARDS);
+            let forced = forced.map(|(_, form)| *form);
+            self.closed_forms(seat, forced, (&scene.mesh, &context), &mut found)?;
         }
         Ok(found)
     }
@@ -302,12 +326,11 @@ impl Gauge<'_> {
     /// The node's own branch: spline LODs, quads, nothing.
     fn own_part_forms(
         &self,
-        (level, prototype): (usize, usize),
+        (level, _): (usize, usize),
         branch: &Branch,
         lod: &Lod,
-        found: &mut Found,
-    ) -> Result<(), TooLarge> {
-        let context = self.own_part(level, prototype)?;
+        (context, found): (&Context<'_>, &mut Found),
+    ) {
         let splines = if lod.priorities.contains(&Simplification::Splines) {
             lod.tolerances.len().max(1)
         } else {
@@ -350,7 +373,6 @@ impl Gauge<'_> {
                 offer.error = floor;
             }
         }
-        Ok(())
     }
 
     /// Numbers of clumps to try for a sub-tree of so many leaf cards.
@@ -375,33 +397,36 @@ impl Gauge<'_> {
         &self,
         seat: (usize, usize),
         forced: Option<ClosedForm>,
+        (own, context): (&Mesh, &Context<'_>),
         found: &mut Found,
-    ) -> Result<(), TooLarge> {
+    ) -> Result<(), Cancelled> {
         let (level, prototype) = seat;
-        let own = self.subtree(level, prototype)?;
-        let context = self.whole_node(seat, CONTEXT_CARDS)?;
-        let items = planes::items(&own);
+        let items = planes::items(own);
         let through = match &self.tree.prototype(level, prototype).part {
             Part::Branch(branch) => cross_quad::mean_axis(branch),
             _ => own.bounds().centre(),
         };
         let trial = |planes: &[Plane]| -> Vec<TrialQuad> {
+            let planes = planes.iter();
             planes
-                .iter()
+                .take_while(|_| self.go_on().is_ok())
                 .map(|plane| {
-                    let part = planes::part(&own, &items, plane);
+                    let part = match plane.members {
+                        Some(_) => Cow::Owned(planes::part(own, &items, plane)),
+                        None => Cow::Borrowed(own),
+                    };
                     TrialQuad::of(&part, plane, self.cutouts, context.sample)
                 })
                 .collect()
         };
-        let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32) {
+        let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32, Vec<TrialQuad>) {
             let quads = trial(&planes);
-            let (scale, error) = best_scale(&context, &quads);
+            let (scale, error) = best_scale(context, &quads);
             let mut scales = vec![scale; planes.len()];
             let mut error = error;
             let is_level: Vec<bool> = planes.iter().map(|p| p.normal().y.abs() > 0.9).collect();
             if level == 0 && is_level.contains(&true) && planes.len() <= 4 {
-                (scales, error) = balanced(&context, &quads, scales, &is_level);
+                (scales, error) = balanced(context, &quads, scales, &is_level);
             }
             (
                 Set {
@@ -410,11 +435,11 @@ impl Gauge<'_> {
                     name,
                 },
                 error,
+                quads,
             )
         };
-        let star = |upright: u16, turn: f32, level: bool| {
-            planes::star(&own, through, upright, turn, level)
-        };
+        let star =
+            |upright: u16, turn: f32, level: bool| planes::star(own, through, upright, turn, level);
         let mut best = attempt(star(2, 0.0, false), String::new());
         for turn in 1..TURNS {
             let turn = PI * 0.5 * f32::from(turn) / f32::from(TURNS);
@@ -425,7 +450,7 @@ impl Gauge<'_> {
             }
         }
         let turn = found.turn;
-        found.cross = Some((trial(&best.0.planes), best.1));
+        found.cross = Some((best.2, best.1));
         found.cross_scale = best.0.scales[0];
         let others_only = !matches!(forced, None | Some(ClosedForm::Cross));
         if !others_only {
@@ -433,7 +458,7 @@ impl Gauge<'_> {
                 .forms
                 .push((Look::Cross(best.0.scales[0]), closed(4, best.1)));
         }
-        let sets: Vec<(Set, f32)> = match forced {
+        let sets: Vec<(Set, f32, Vec<TrialQuad>)> = match forced {
             Some(ClosedForm::Cross) => Vec::new(),
             Some(ClosedForm::CrossTop) => vec![attempt(star(2, turn, true), CROSS_TOP.to_owned())],
             Some(ClosedForm::StarTop) => vec![attempt(star(3, turn, true), STAR_TOP.to_owned())],
@@ -448,6 +473,7 @@ impl Gauge<'_> {
                     sets.push(attempt(star(3, turn, true), STAR_TOP.to_owned()));
                 }
                 for count in self.clump_counts(level, leaves) {
+                    self.go_on()?;
                     let set = planes::clumps(&items, count, turn, true);
                     sets.push(attempt(set, format!("clumps {count}")));
                 }
@@ -455,6 +481,7 @@ impl Gauge<'_> {
                 let useful =
                     |count: &&usize| leaves <= FITTED_CARDS && 2 * **count as u64 <= leaves;
                 for &count in FITTED.iter().filter(useful) {
+                    self.go_on()?;
                     let set = planes::fitted(&items, count);
                     sets.push(attempt(set, format!("planes {count}")));
                 }
@@ -467,14 +494,15 @@ impl Gauge<'_> {
         if !others_only {
             found.shifts.push(shift(&best.0.planes));
         }
-        for (set, error) in sets {
+        for (set, error, _) in sets {
             let triangles = 2 * set.planes.len() as u64;
             found.shifts.push(shift(&set.planes));
             found
                 .forms
                 .push((Look::Planes(set), closed(triangles, error)));
         }
-        Ok(())
+        // What was tried after a cancel is not whole.
+        self.go_on()
     }
 }
 
@@ -498,7 +526,7 @@ fn keep_the_useful(forms: &mut Vec<(Look, Offer)>) {
 const USEFUL: f32 = 0.97;
 
 /// The scale at which quads cover as much as full detail, within bounds, and the error there.
-fn best_scale(context: &Context, quads: &[TrialQuad]) -> (f32, f32) {
+fn best_scale(context: &Context<'_>, quads: &[TrialQuad]) -> (f32, f32) {
     let plain = context.try_quads(quads, 1.0);
     let [low, high] = SCALES;
     // Area goes with the square of the scale where nothing overlaps; crowns overlap.
@@ -519,7 +547,7 @@ fn best_scale(context: &Context, quads: &[TrialQuad]) -> (f32, f32) {
 
 /// Scales of a whole tree's upright and level quads at which it covers as much from the side and from above.
 fn balanced(
-    context: &Context,
+    context: &Context<'_>,
     quads: &[TrialQuad],
     mut scales: Vec<f32>,
     is_level: &[bool],

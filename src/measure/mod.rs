@@ -9,3 +9,17 @@ pub mod menu;
 pub mod silhouette;
 pub mod views;
 pub mod yardstick;
+
+use crate::mesh::TooLarge;
+use crate::report::Cancelled;
+
+/// Why forms could not be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MeasureError {
+    /// A sub-tree's mesh would be too large.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// Cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

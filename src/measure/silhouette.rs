@@ -14,26 +14,67 @@ use crate::mesh::{Mesh, Primitive};
 /// Samples read the finest texels, never mips: then a covered share is right in the mean however far away the
 /// tree is, where the alpha test of a mip is right for some parts of an atlas and wrong for others.
 #[derive(Clone, Debug)]
-pub struct Cutouts(Image<bool>);
+pub struct Cutouts {
+    width: u32,
+    height: u32,
+    /// Words of a row.
+    stride: usize,
+    /// A bit a texel, row by row from the top: an atlas stays in a processor's near memory.
+    bits: Vec<u64>,
+}
 
 impl Cutouts {
     /// Cuts an atlas at the alpha of exported materials.
     #[must_use]
     pub fn of(atlas: &Image<Texel>) -> Self {
-        Self(atlas.map(|t| t.alpha >= ALPHA_CUTOFF))
+        let is_there: Vec<bool> = atlas
+            .texels()
+            .iter()
+            .map(|t| t.alpha >= ALPHA_CUTOFF)
+            .collect();
+        Self::from_texels(atlas.width(), atlas.height(), &is_there)
     }
 
     /// A picture of coverage as a texture.
     #[must_use]
-    pub fn from_silhouette(silhouette: Silhouette) -> Self {
-        let Silhouette {
+    pub fn from_silhouette(silhouette: &Silhouette) -> Self {
+        Self::from_texels(silhouette.width, silhouette.height, &silhouette.covered)
+    }
+
+    fn from_texels(width: u32, height: u32, texels: &[bool]) -> Self {
+        let stride = width.div_ceil(64) as usize;
+        let mut bits = vec![0_u64; stride * height as usize];
+        let rows = texels.chunks_exact(width.max(1) as usize);
+        for (words, row) in bits.chunks_exact_mut(stride.max(1)).zip(rows) {
+            for (word, texels) in words.iter_mut().zip(row.chunks(64)) {
+                *word = texels
+                    .iter()
+                    .rev()
+                    .fold(0, |word, &t| word << 1 | u64::from(t));
+            }
+        }
+        Self {
             width,
             height,
-            covered,
-        } = silhouette;
-        Self(Image::from_texels(width, height, covered))
+            stride,
+            bits,
+        }
+    }
+
+    /// True if the texel is there; the nearest one for places outside.
+    #[inline]
+    fn at(&self, x: i64, y: i64) -> bool {
+        let clamp = |x: i64, size: u32| {
+            let inside = x.clamp(0, i64::from(size) - 1);
+            usize::try_from(inside).unwrap_or(0)
+        };
+        let (x, y) = (clamp(x, self.width), clamp(y, self.height));
+        self.bits[y * self.stride + x / 64] >> (x % 64) & 1 == 1
     }
 }
+
+/// Pixels are counted in runs whose sums fit a byte: many of them add at once.
+const RUN: usize = 240;
 
 /// Covered pixels of one picture, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,22 +109,31 @@ impl Silhouette {
     /// Adds a mesh, moved to `place`.
     pub fn add(&mut self, mesh: &Mesh, place: &Similarity, cutouts: &Cutouts, view: &View) {
         let covered = &mut self.covered;
-        let atlas = &cutouts.0;
+        let width = view.width as usize;
         each_triangle(mesh, place, view, |corners, uv| {
             let Some(uv) = uv else {
-                spans(corners, view, |row, columns| {
+                spans(corners, view, |y, columns| {
+                    let row = y as usize * width;
                     covered[row + columns.start..row + columns.end].fill(true);
                 });
                 return;
             };
-            let texels = Gradient::of(corners, uv, atlas);
-            let width = view.width as usize;
-            spans(corners, view, |row, columns| {
-                let mut at = texels.at(columns.start, row / width);
+            // Inside a crown most samples are covered already: they need no texture coordinates.
+            let mut texels = None;
+            spans(corners, view, |y, columns| {
+                let row = y as usize * width;
                 let pixels = &mut covered[row + columns.start..row + columns.end];
+                if pixels.iter().all(|&covered| covered) {
+                    return;
+                }
+                let texels = texels.get_or_insert_with(|| Gradient::of(corners, uv, cutouts));
+                let mut at = texels.at(columns.start, y);
                 for pixel in pixels {
-                    *pixel |= Gradient::covers(at, atlas);
-                    at = [at[0] + texels.step[0], at[1] + texels.step[1]];
+                    if !*pixel {
+                        *pixel = cutouts.at(at[0] >> FRACTION, at[1] >> FRACTION);
+                    }
+                    at[0] = at[0].wrapping_add(texels.step[0]);
+                    at[1] = at[1].wrapping_add(texels.step[1]);
                 }
             });
         });
@@ -99,7 +149,11 @@ impl Silhouette {
     /// Covered pixels.
     #[must_use]
     pub fn area(&self) -> u64 {
-        self.covered.iter().filter(|&&c| c).count() as u64
+        let count = |run: &[bool]| run.iter().map(|&c| u8::from(c)).sum::<u8>();
+        self.covered
+            .chunks(RUN)
+            .map(|run| u64::from(count(run)))
+            .sum()
     }
 
     /// Pixels covered in one and not in the other.
@@ -117,9 +171,10 @@ impl Silhouette {
     pub fn overlap(&self, other: &Self) -> (u64, u64) {
         assert_eq!(self.covered.len(), other.covered.len(), "one view for both");
         let (mut both, mut either) = (0, 0);
-        for (&a, &b) in self.covered.iter().zip(&other.covered) {
-            both += u64::from(a & b);
-            either += u64::from(a | b);
+        for (a, b) in self.covered.chunks(RUN).zip(other.covered.chunks(RUN)) {
+            let pairs = || a.iter().zip(b);
+            both += u64::from(pairs().map(|(a, b)| u8::from(a & b)).sum::<u8>());
+            either += u64::from(pairs().map(|(a, b)| u8::from(a | b)).sum::<u8>());
         }
         (both, either)
     }
@@ -144,83 +199,100 @@ impl Silhouette {
     }
 }
 
-/// Texture coordinates, in texels, over a triangle in a picture. In doubles: a sliver's gradients are steep.
+/// Bits of a texture coordinate behind the point.
+const FRACTION: u32 = 32;
+
+/// Texture coordinates, in texels, over a triangle in a picture. Found in doubles, since a sliver's gradients are
+/// steep; followed in whole numbers.
 struct Gradient {
     /// At the picture's upper left corner.
     origin: [f64; 2],
     /// For a step to the right and a step down.
-    step: [f64; 2],
+    right: [f64; 2],
     down: [f64; 2],
+    /// For a step to the right, with [`FRACTION`] bits behind the point.
+    step: [i64; 2],
 }
 
 impl Gradient {
-    fn of(corners: [Vec2; 3], uv: [[f32; 2]; 3], atlas: &Image<bool>) -> Self {
+    fn of(corners: [Vec2; 3], uv: [[f32; 2]; 3], cutouts: &Cutouts) -> Self {
         let [a, b, c] = corners.map(|p| p.to_array().map(f64::from));
         let (ab, ac) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
         let inverse = 1.0 / (ab[0] * ac[1] - ab[1] * ac[0]);
-        let size = [f64::from(atlas.width()), f64::from(atlas.height())];
+        let size = [f64::from(cutouts.width), f64::from(cutouts.height)];
         let axis = |k: usize| {
             let [ta, tb, tc] = uv.map(|t| f64::from(t[k]) * size[k]);
-            let step = ((tb - ta) * ac[1] - (tc - ta) * ab[1]) * inverse;
+            let right = ((tb - ta) * ac[1] - (tc - ta) * ab[1]) * inverse;
             let down = ((tc - ta) * ab[0] - (tb - ta) * ac[0]) * inverse;
-            (ta - step * a[0] - down * a[1], step, down)
+            (ta - right * a[0] - down * a[1], right, down)
         };
         let (u, v) = (axis(0), axis(1));
         Self {
             origin: [u.0, v.0],
-            step: [u.1, v.1],
+            right: [u.1, v.1],
             down: [u.2, v.2],
+            step: [u.1, v.1].map(fixed),
         }
     }
 
+    /// At the middle of a pixel, with [`FRACTION`] bits behind the point.
     #[expect(
         clippy::cast_precision_loss,
         reason = "picture sizes are far below 2^52"
     )]
-    fn at(&self, x: usize, y: usize) -> [f64; 2] {
-        let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
-        core::array::from_fn(|k| self.origin[k] + self.step[k] * x + self.down[k] * y)
-    }
-
-    /// True if the nearest texel is there; a corner's rounding may point just outside.
-    #[inline]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "texel coordinates; casts saturate"
-    )]
-    fn covers([u, v]: [f64; 2], atlas: &Image<bool>) -> bool {
-        let clamp = |x: i32, size: u32| x.max(0).unsigned_abs().min(size - 1);
-        *atlas.at(
-            clamp(u as i32, atlas.width()),
-            clamp(v as i32, atlas.height()),
-        )
+    fn at(&self, x: usize, y: u32) -> [i64; 2] {
+        let (x, y) = (x as f64 + 0.5, f64::from(y) + 0.5);
+        core::array::from_fn(|k| fixed(self.origin[k] + self.right[k] * x + self.down[k] * y))
     }
 }
 
-/// Calls `fill` with the index of each row's first pixel and the columns whose middles a triangle covers: from
-/// its left edge to before its right one, so that triangles that share an edge share no pixel.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the cast saturates, far outside of any texture"
+)]
+fn fixed(texels: f64) -> i64 {
+    const ONE: f64 = (1_u64 << FRACTION) as f64;
+    (texels * ONE) as i64
+}
+
+/// Calls `fill` with each row and the columns whose middles a triangle covers: from its left edge to before
+/// its right one, so that triangles that share an edge share no pixel.
 #[inline]
-fn spans(
-    mut corners: [Vec2; 3],
-    view: &View,
-    mut fill: impl FnMut(usize, core::ops::Range<usize>),
-) {
-    corners.sort_by(|a, b| a.y.total_cmp(&b.y));
-    let [top, middle, bottom] = corners;
+fn spans(corners: [Vec2; 3], view: &View, mut fill: impl FnMut(u32, core::ops::Range<usize>)) {
+    let [mut top, mut middle, mut bottom] = corners;
+    for _ in 0..2 {
+        if middle.y < top.y {
+            (top, middle) = (middle, top);
+        }
+        if bottom.y < middle.y {
+            (middle, bottom) = (bottom, middle);
+        }
+    }
     // First row whose middle lies below a height.
     let row = |y: f32| floor_to_u32((y + 0.5).max(0.0)).min(view.height);
     let column = |x: f32| floor_to_u32((x + 0.5).max(0.0)).min(view.width) as usize;
-    let across = |a: Vec2, b: Vec2, y: f32| a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
+    // Columns for a row, from the upper end downward: edges that two triangles share are the same in both.
+    let slope = |a: Vec2, b: Vec2| (b.x - a.x) / (b.y - a.y);
+    let rows = [row(top.y), row(middle.y), row(bottom.y)];
+    if rows[0] == rows[2] {
+        return;
+    }
+    let long = slope(top, bottom);
     for (first, last, from, to) in [
-        (row(top.y), row(middle.y), top, middle),
-        (row(middle.y), row(bottom.y), middle, bottom),
+        (rows[0], rows[1], top, middle),
+        (rows[1], rows[2], middle, bottom),
     ] {
+        if first == last {
+            continue;
+        }
+        let short = slope(from, to);
         for y in first..last {
             let height = float(y) + 0.5;
-            let (one, other) = (across(from, to, height), across(top, bottom, height));
+            let one = from.x + short * (height - from.y);
+            let other = top.x + long * (height - top.y);
             let (left, right) = (column(one.min(other)), column(one.max(other)));
             if left < right {
-                fill(y as usize * view.width as usize, left..right);
+                fill(y, left..right);
             }
         }
     }
@@ -257,9 +329,11 @@ fn each_triangle(
             .collect()
     };
     let has_samples = |[a, b, c]: [Vec2; 3]| {
-        let (low, high) = (a.min(b).min(c) + 0.5, a.max(b).max(c) + 0.5);
-        low.x.floor() != high.x.floor()
-            && low.y.floor() != high.y.floor()
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        // Whole numbers from 0 up: what lies above or left of the picture has none either.
+        let cell = |x: f32| floor_to_u32((x + 0.5).max(0.0));
+        cell(low.x) != cell(high.x)
+            && cell(low.y) != cell(high.y)
             && (b - a).perp_dot(c - a).is_normal()
     };
     let bark = project(&mesh.bark);

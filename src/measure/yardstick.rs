@@ -1,11 +1,12 @@
 //! The yardstick: full detail as seen from the calibration views, against which LODs are scaled, chosen and
 //! given their errors.
 
-use super::silhouette::{Cutouts, Silhouette, compare, seen_bounds};
+use super::silhouette::{Cutouts, Match, Silhouette, compare, seen_bounds};
 use super::views::calibration;
 use crate::capture::View;
 use crate::math::{Bounds, Vec3};
 use crate::mesh::Mesh;
+use core::convert::Infallible;
 use rayon::prelude::*;
 
 /// Samples along the height of the tree.
@@ -17,8 +18,8 @@ const AIR: f32 = 0.08;
 /// A LOD's coverage may be wrong by this part, over blocks of the size of its error.
 pub const BLOCK_TOLERANCE: f32 = 0.1;
 
-/// Blocks are squares of up to so many times two samples.
-const BLOCK_STEPS: u32 = 6;
+/// Sizes of blocks: squares of 1, 2, 4, ... 64 samples along an edge.
+const BLOCKS: usize = 7;
 
 /// Full detail from all calibration views.
 #[derive(Clone, Debug)]
@@ -44,6 +45,19 @@ impl Yardstick {
     /// Looks at full detail.
     #[must_use]
     pub fn new(full: &Mesh, cutouts: &Cutouts) -> Self {
+        let Ok(yardstick) = Self::while_ok(full, cutouts, || Ok::<(), Infallible>(()));
+        yardstick
+    }
+
+    /// The same; `go_on` is asked before each view.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub fn while_ok<E: Send>(
+        full: &Mesh,
+        cutouts: &Cutouts,
+        go_on: impl Fn() -> Result<(), E> + Sync,
+    ) -> Result<Self, E> {
         let size = full.bounds().size();
         let sample = (size.y / SAMPLES)
             .max(size.max_element() / 1024.0)
@@ -60,53 +74,58 @@ impl Yardstick {
                 direction.view(&seen, sample)
             })
             .collect();
-        let reference = views
+        let reference: Result<Vec<Silhouette>, E> = views
             .par_iter()
-            .map(|view| Silhouette::of(full, cutouts, view))
+            .map(|view| go_on().map(|()| Silhouette::of(full, cutouts, view)))
             .collect();
-        Self {
+        Ok(Self {
+            reference: reference?,
             views,
-            reference,
             sample,
-        }
+        })
     }
 
     /// Coverage of a LOD over full detail's, mean over views.
     #[must_use]
     pub fn coverage(&self, mesh: &Mesh, cutouts: &Cutouts) -> f32 {
-        let of_view = |(view, reference): (&View, &Silhouette)| {
-            compare(reference, &Silhouette::of(mesh, cutouts, view)).coverage
-        };
-        let all: Vec<f32> = self
-            .views
-            .par_iter()
-            .zip(&self.reference)
-            .map(of_view)
-            .collect();
+        self.coverage_of(&self.look(mesh, cutouts))
+    }
+
+    /// A LOD from all views.
+    fn look(&self, mesh: &Mesh, cutouts: &Cutouts) -> Vec<Silhouette> {
+        let views = self.views.par_iter();
+        views.map(|v| Silhouette::of(mesh, cutouts, v)).collect()
+    }
+
+    fn coverage_of(&self, seen: &[Silhouette]) -> f32 {
+        let pairs = self.reference.iter().zip(seen);
+        let all: Vec<f32> = pairs.map(|(r, t)| compare(r, t).coverage).collect();
         mean(&all)
     }
 
     /// Compares a LOD with full detail.
     #[must_use]
     pub fn judge(&self, mesh: &Mesh, cutouts: &Cutouts) -> Verdict {
-        let seen: Vec<(f32, f32, [u64; BLOCK_STEPS as usize + 1], u64)> = self
-            .views
+        self.verdict(&self.look(mesh, cutouts))
+    }
+
+    fn verdict(&self, seen: &[Silhouette]) -> Verdict {
+        let seen: Vec<(Match, [u64; BLOCKS], u64)> = self
+            .reference
             .par_iter()
-            .zip(&self.reference)
-            .map(|(view, reference)| {
-                let test = Silhouette::of(mesh, cutouts, view);
-                let matched = compare(reference, &test);
-                let misses = core::array::from_fn(|step| block_miss(reference, &test, 1 << step));
-                (matched.iou, matched.coverage, misses, reference.area())
+            .zip(seen)
+            .map(|(reference, test)| {
+                let misses = block_misses(reference, test);
+                (compare(reference, test), misses, reference.area())
             })
             .collect();
-        let area: u64 = seen.iter().map(|s| s.3).sum();
-        let misses: [f32; BLOCK_STEPS as usize + 1] = core::array::from_fn(|step| {
-            real(seen.iter().map(|s| s.2[step]).sum()) / real(area.max(1))
+        let area: u64 = seen.iter().map(|s| s.2).sum();
+        let misses: [f32; BLOCKS] = core::array::from_fn(|step| {
+            real(seen.iter().map(|s| s.1[step]).sum()) / real(area.max(1))
         });
         Verdict {
-            iou: mean(&seen.iter().map(|s| s.0).collect::<Vec<_>>()),
-            coverage: mean(&seen.iter().map(|s| s.1).collect::<Vec<_>>()),
+            iou: mean(&seen.iter().map(|s| s.0.iou).collect::<Vec<_>>()),
+            coverage: mean(&seen.iter().map(|s| s.0.coverage).collect::<Vec<_>>()),
             error_m: block_size(&misses) * self.sample,
         }
     }
@@ -119,38 +138,85 @@ impl Yardstick {
     pub fn scale<E>(
         &self,
         cutouts: &Cutouts,
-        [low, high]: [f32; 2],
+        bounds: [f32; 2],
         mesh_at: impl Fn(f32) -> Result<Mesh, E>,
     ) -> Result<f32, E> {
+        Ok(self.fit(cutouts, bounds, mesh_at)?.scale)
+    }
+
+    /// The same, with the mesh at that factor and how it compares.
+    ///
+    /// # Errors
+    /// Those of `mesh_at`.
+    pub fn fit<E>(
+        &self,
+        cutouts: &Cutouts,
+        [low, high]: [f32; 2],
+        mesh_at: impl Fn(f32) -> Result<Mesh, E>,
+    ) -> Result<Fit, E> {
         /// Coverage is right when it is within this.
         const CLOSE: f32 = 0.002;
         /// Secant steps at most.
         const STEPS: usize = 4;
-        let miss = |scale: f32| Ok(self.coverage(&mesh_at(scale)?, cutouts) - 1.0);
-        let mut before = (1.0_f32, miss(1.0)?);
-        if before.1.abs() < CLOSE {
-            return Ok(1.0);
+        let at = |scale: f32| {
+            let mesh = mesh_at(scale)?;
+            let seen = self.look(&mesh, cutouts);
+            let miss = self.coverage_of(&seen) - 1.0;
+            Ok(Guess {
+                scale,
+                mesh,
+                seen,
+                miss,
+            })
+        };
+        let mut before = at(1.0)?;
+        if before.miss.abs() < CLOSE || high <= low {
+            return Ok(self.fitted(before));
         }
-        let guess = (1.0 - 0.6 * before.1).clamp(low, high);
-        let mut now = (guess, miss(guess)?);
+        let mut now = at((1.0 - 0.6 * before.miss).clamp(low, high))?;
         for _ in 0..STEPS {
-            let slope = (now.1 - before.1) / (now.0 - before.0);
-            if now.1.abs() < CLOSE || !slope.is_normal() {
+            let slope = (now.miss - before.miss) / (now.scale - before.scale);
+            if now.miss.abs() < CLOSE || !slope.is_normal() {
                 break;
             }
-            let next = (now.0 - now.1 / slope).clamp(low, high);
-            if (next - now.0).abs() < 1e-4 {
+            let next = (now.scale - now.miss / slope).clamp(low, high);
+            if (next - now.scale).abs() < 1e-4 {
                 break;
             }
             before = now;
-            now = (next, miss(next)?);
+            now = at(next)?;
         }
-        Ok(if now.1.abs() <= before.1.abs() {
-            now.0
-        } else {
-            before.0
-        })
+        let is_better = now.miss.abs() <= before.miss.abs();
+        Ok(self.fitted(if is_better { now } else { before }))
     }
+
+    fn fitted(&self, guess: Guess) -> Fit {
+        Fit {
+            verdict: self.verdict(&guess.seen),
+            scale: guess.scale,
+            mesh: guess.mesh,
+        }
+    }
+}
+
+/// A LOD at the factor at which it covers as much as full detail.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The factor.
+    pub scale: f32,
+    /// The LOD at that factor.
+    pub mesh: Mesh,
+    /// How it compares with full detail.
+    pub verdict: Verdict,
+}
+
+/// A step on the way to a [`Fit`].
+struct Guess {
+    scale: f32,
+    mesh: Mesh,
+    seen: Vec<Silhouette>,
+    /// Coverage less 1.
+    miss: f32,
 }
 
 fn mean(values: &[f32]) -> f32 {
@@ -162,23 +228,36 @@ fn real(count: u64) -> f32 {
     count as f32
 }
 
-/// Sum over blocks of `edge` samples of how much their covered samples differ in number.
-fn block_miss(a: &Silhouette, b: &Silhouette, edge: u32) -> u64 {
-    let columns = a.width.div_ceil(edge) as usize;
-    let mut row = vec![0_i64; columns];
-    let mut sum = 0;
-    for y in 0..a.height {
-        let start = y as usize * a.width as usize;
-        for x in 0..a.width as usize {
-            let (in_a, in_b) = (a.covered[start + x], b.covered[start + x]);
-            row[x / edge as usize] += i64::from(in_a) - i64::from(in_b);
+/// For blocks of 1, 2, 4, ... samples along an edge: the sum of how much their covered samples differ in number.
+fn block_misses(a: &Silhouette, b: &Silhouette) -> [u64; BLOCKS] {
+    let (mut width, mut height) = (a.width as usize, a.height as usize);
+    let pairs = a.covered.iter().zip(&b.covered);
+    // At most 64 times 64 samples to a block.
+    let mut blocks: Vec<i16> = pairs.map(|(&a, &b)| i16::from(a) - i16::from(b)).collect();
+    core::array::from_fn(|step| {
+        if step > 0 {
+            blocks = quartered(&blocks, width);
+            (width, height) = (width.div_ceil(2), height.div_ceil(2));
         }
-        if (y + 1).is_multiple_of(edge) || y + 1 == a.height {
-            sum += row.iter().map(|d| d.unsigned_abs()).sum::<u64>();
-            row.fill(0);
+        debug_assert_eq!(blocks.len(), width * height);
+        let sizes = blocks.iter().map(|d| u64::from(d.unsigned_abs()));
+        sizes.sum()
+    })
+}
+
+/// Sums of two by two, of fewer at the right and lower edges.
+fn quartered(blocks: &[i16], width: usize) -> Vec<i16> {
+    let columns = width.div_ceil(2);
+    let mut sums = Vec::with_capacity(blocks.len().div_ceil(4) + columns);
+    for pair in blocks.chunks(2 * width.max(1)) {
+        let first = sums.len();
+        let (upper, lower) = pair.split_at(width);
+        sums.extend(upper.chunks(2).map(|c| c.iter().sum::<i16>()));
+        for (sum, c) in sums[first..].iter_mut().zip(lower.chunks(2)) {
+            *sum += c.iter().sum::<i16>();
         }
     }
-    sum
+    sums
 }
 
 /// Edge of the blocks, in samples, over which the miss falls to the tolerance: between steps in the logarithm,

@@ -15,7 +15,7 @@ use crate::measure::menu::{Forms, Look};
 use crate::measure::silhouette::Cutouts;
 use crate::measure::yardstick::{Verdict, Yardstick};
 use crate::mesh::{Dress, Flattener, Mesh, TooLarge, Wardrobe, card, front};
-use crate::report::Warning;
+use crate::report::{Cancelled, Progress, Warning};
 use crate::species::schema::Lod;
 use crate::tree::{Kind, Tree};
 
@@ -276,9 +276,18 @@ pub(super) struct Fitting<'a> {
     pub(super) bark_height: f32,
     pub(super) calibrate: bool,
     pub(super) selection: Selection,
+    pub(super) progress: &'a dyn Progress,
 }
 
 impl Fitting<'_> {
+    /// Fails once the work should be given up.
+    pub(super) fn go_on(&self) -> Result<(), Cancelled> {
+        if self.progress.cancelled() {
+            return Err(Cancelled);
+        }
+        Ok(())
+    }
+
     /// Turns drafts into LODs: scaled, measured, the better candidate of each budget.
     pub(super) fn lods(
         &self,
@@ -290,6 +299,8 @@ impl Fitting<'_> {
         let mut lods: Vec<AssetLod> = Vec::new();
         let mut sizes = ScreenSizes::new(height);
         for draft in drafts {
+            self.go_on()?;
+            self.progress.step();
             let before = lods.last().map_or(u64::MAX, |l| l.triangles.total());
             let mut best: Option<(f32, Verdict, Mesh, &Candidate)> = None;
             let spare: Vec<Candidate>;
@@ -313,13 +324,17 @@ impl Fitting<'_> {
                 if candidate.triangles() >= before {
                     continue;
                 }
-                let scale = if self.calibrate && self.has_quads(candidate) {
-                    yardstick.scale(cutouts, LOD_SCALES, |s| self.mesh(candidate, s))?
+                let scales = if self.calibrate && self.has_quads(candidate) {
+                    LOD_SCALES
                 } else {
-                    1.0
+                    [1.0, 1.0]
                 };
-                let mesh = self.mesh(candidate, scale)?;
-                let verdict = yardstick.judge(&mesh, cutouts);
+                let mesh_at = |scale: f32| {
+                    self.go_on()?;
+                    Ok::<Mesh, GenerateError>(self.mesh(candidate, scale)?)
+                };
+                let fit = yardstick.fit(cutouts, scales, mesh_at)?;
+                let (scale, verdict, mesh) = (fit.scale, fit.verdict, fit.mesh);
                 if best.as_ref().is_none_or(|b| verdict.iou > b.1.iou) {
                     best = Some((scale, verdict, mesh, candidate));
                 }

@@ -12,6 +12,7 @@ use crate::image::{Image, Texel, mips};
 use crate::impostor::cross_quad::CrossQuads;
 use crate::lod::Selector;
 use crate::math::{Bounds, byte_from_unit};
+use crate::measure::MeasureError;
 use crate::measure::menu::{self, Forms};
 use crate::measure::silhouette::Cutouts;
 use crate::measure::yardstick::Yardstick;
@@ -124,6 +125,15 @@ pub enum GenerateError {
     Cancelled(#[from] Cancelled),
 }
 
+impl From<MeasureError> for GenerateError {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::TooLarge(error) => error.into(),
+            MeasureError::Cancelled(error) => error.into(),
+        }
+    }
+}
+
 /// Makes a tree: grow, texture, capture, choose LODs, flatten, shadow.
 ///
 /// # Errors
@@ -140,7 +150,7 @@ pub fn generate(
     let bark = bark(species, seed, settings.bark_size, files)?;
     let mut plan = Plan::of(&tree);
     let height = species.bark.height_m();
-    let forms = forms(species, settings, &tree, &artwork)?;
+    let forms = forms(species, settings, &tree, &artwork, progress)?;
     let budgets = settings.budgets.as_deref().unwrap_or(&species.lod.budgets);
     let budgets = (budgets, settings.full);
     let drafts = choose::draft(&tree, &species.lod, forms.as_ref(), budgets);
@@ -161,6 +171,7 @@ pub fn generate(
         bark_height: height,
         calibrate: settings.calibrate.unwrap_or(species.lod.calibrate),
         selection: settings.asked(species).selector.into(),
+        progress,
     };
     let lods = lods(species, &fitting, &drafts.drafts, &baked)?;
     if lods.is_empty() {
@@ -301,6 +312,7 @@ fn forms(
     settings: &Settings,
     tree: &Tree,
     artwork: &Artwork<'_>,
+    progress: &dyn Progress,
 ) -> Result<Option<Forms>, GenerateError> {
     let nodes = tree.nodes();
     let levels = nodes.iter().zip(&tree.levels);
@@ -321,8 +333,11 @@ fn forms(
         &species.lod,
         &leaves,
         &cutouts,
-        &turns,
-        settings.budgets.as_deref().unwrap_or(&species.lod.budgets),
+        (
+            &turns,
+            settings.budgets.as_deref().unwrap_or(&species.lod.budgets),
+        ),
+        progress,
     )?))
 }
 
@@ -336,6 +351,7 @@ fn lods(
     drafts: &[choose::Draft],
     baked: &capture::Baked,
 ) -> Result<Vec<AssetLod>, GenerateError> {
+    fitting.progress.begin("choosing LODs", drafts.len() as u64);
     let full = choose::reference(
         fitting.tree,
         &species.lod,
@@ -344,7 +360,7 @@ fn lods(
         REFERENCE_TRIANGLES,
     )?;
     let cutouts = Cutouts::of(&baked.atlas);
-    let yardstick = Yardstick::new(&full, &cutouts);
+    let yardstick = Yardstick::while_ok(&full, &cutouts, || fitting.go_on())?;
     fitting.lods(drafts, &yardstick, &cutouts, full.bounds().size().y)
 }
 
