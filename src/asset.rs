@@ -42,12 +42,23 @@ pub struct TreeAsset {
     pub rects: Vec<Rect>,
     /// Captures in the atlas with their real sizes.
     pub reliefs: Vec<Relief>,
+    /// For each sub-tree that has captures, what was done to their colours.
+    pub tones: Vec<Tone>,
     /// Nine soft ground shadows.
     pub shadows: Shadows,
     /// Bounds of all LODs, metres.
     pub bounds: Bounds,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+}
+
+/// Factors on the captures of one sub-tree, with which LODs are as light as full detail.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tone {
+    /// On their occlusion, 0.2..=1.5: the rest of the crown adds shade.
+    pub shade: f32,
+    /// On their linear albedo, 0.75..=1.3: one normal is lit unlike the leaves that it stands for.
+    pub tint: [f32; 3],
 }
 
 /// What is asked of a chain of LODs: with the same script and seed it gives the same chain.

@@ -29,6 +29,10 @@ pub struct Occlusion {
     open: Vec<f32>,
 }
 
+/// Exponent by which a place that light reaches is seen: light is scattered on (the 0.6 in [`EXTINCTION`]),
+/// a line of sight is not.
+const SIGHT: f32 = 1.0 / 0.6;
+
 impl Occlusion {
     /// Gathers the density of a mesh and the light that all directions together bring to each cell.
     #[must_use]
@@ -85,13 +89,34 @@ impl Occlusion {
         grid
     }
 
-    /// Replaces the density by that of the foliage alone, in finer cells; what is open to all directions
-    /// stays as it was. (A trunk of a cell's width would stand in the shade of its own cells.)
+    /// Replaces the density by that of the foliage alone, in finer cells. (A trunk of a cell's width would
+    /// stand in the shade of its own cells.) What is open to all directions stays as it was, but becomes
+    /// relative to [`Occlusion::mean_open`], which a finished atlas holds already.
     pub fn refine(&mut self, mesh: &Mesh, cells: u32) {
+        let mean = self.mean_open();
         let coarse = core::mem::replace(self, Self::density_of(mesh, cells, 0.0));
         self.open = (0..self.density.len())
-            .map(|i| coarse.open(self.middle(i)))
+            .map(|i| coarse.open(self.middle(i)) / mean)
             .collect();
+    }
+
+    /// Part of the surrounding light that reaches what is seen of the mesh from outside, its mean, above 0
+    /// and at most 1. A place is seen from as many sides as it is lit from.
+    #[must_use]
+    pub fn mean_open(&self) -> f32 {
+        let mut sums = [0.0_f64; 2];
+        for (&density, &open) in self.density.iter().zip(&self.open) {
+            let seen = f64::from(density * libm::powf(open, SIGHT));
+            sums[0] += seen * f64::from(open);
+            sums[1] += seen;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "a part of 1")]
+        let mean = (sums[0] / sums[1]) as f32;
+        if mean.is_normal() {
+            mean.clamp(0.05, 1.0)
+        } else {
+            1.0
+        }
     }
 
     fn gather(&mut self, primitive: &Primitive, coverage: f32) {

@@ -82,6 +82,8 @@ pub struct Seen {
     pub texel: Texel,
     /// True if it lies on a capture, whose occlusion is that of all it shows.
     pub captured: bool,
+    /// Which of the [`Textures::reliefs`] it lies on.
+    pub relief: Option<usize>,
 }
 
 /// What each sample sees.
@@ -202,7 +204,8 @@ impl Visibility {
         } else {
             None
         };
-        texel.depth = self.depth[at] + texel.depth * relief.unwrap_or(0.0);
+        let longer = relief.map_or(0.0, |r| textures.reliefs[r].longer);
+        texel.depth = self.depth[at] + texel.depth * longer;
         texel.alpha = 1.0;
         if !is_foliage {
             texel.translucency = 0.0;
@@ -210,14 +213,15 @@ impl Visibility {
         Some(Seen {
             texel,
             captured: relief.is_some(),
+            relief,
         })
     }
 }
 
-/// The longer side of the capture that a place in the atlas belongs to.
-fn relief(reliefs: &[Relief], [u, v]: [f32; 2]) -> Option<f32> {
+/// The capture that a place in the atlas belongs to.
+fn relief(reliefs: &[Relief], [u, v]: [f32; 2]) -> Option<usize> {
     let holds = |r: &&Relief| (r.uv.u0..=r.uv.u1).contains(&u) && (r.uv.v0..=r.uv.v1).contains(&v);
-    reliefs.iter().find(holds).map(|r| r.longer)
+    reliefs.iter().position(|r| holds(&r))
 }
 
 /// The mapped normal of a point on a triangle, in view axes, facing the viewer.

@@ -1,10 +1,12 @@
 //! The list of stages: from a species and a seed to a finished [`TreeAsset`].
 
 mod choose;
+mod tone;
 
 pub use choose::Selection;
 
 use self::choose::Fitting;
+use self::tone::Tones;
 use crate::asset::{Asked, AssetLod, Surface, TreeAsset};
 use crate::capture::{self, ALPHA_CUTOFF, BakeError, LeafArtwork, Plan};
 use crate::image::dilate::dilate;
@@ -173,7 +175,7 @@ pub fn generate(
         selection: settings.asked(species).selector.into(),
         progress,
     };
-    let lods = lods(species, &fitting, &drafts.drafts, &baked)?;
+    let (lods, tones) = lods(species, &fitting, &drafts.drafts, &baked, &bark)?;
     if lods.is_empty() {
         return Err(GenerateError::NoLod {
             budgets: budgets.0.to_vec(),
@@ -193,6 +195,8 @@ pub fn generate(
     warnings.extend(warning);
     let sources = sources(species, files)?;
     let mut atlas = baked.atlas;
+    let kinds = plan.captures()..plan.captures() + artwork.kinds();
+    tones.apply(&mut atlas, &baked.rects[kinds]);
     dilate(&mut atlas);
     Ok(TreeAsset {
         name: species.name.clone(),
@@ -208,7 +212,8 @@ pub fn generate(
             .fold(Bounds::EMPTY, |all, lod| all.union(&lod.mesh.bounds())),
         lods,
         foliage: Surface::of(&atlas),
-        bark: Surface::of(&bark[0]),
+        bark: Surface::of(&tones.apply_to_bark(&bark[0])),
+        tones: tones.tones(),
         rects: baked.rects,
         reliefs: baked.quads.reliefs(),
         shadows,
@@ -344,13 +349,14 @@ fn forms(
 /// Triangles of the mesh that LODs are measured against: more would not show.
 const REFERENCE_TRIANGLES: u64 = 600_000;
 
-/// LODs from their drafts, measured against full detail.
+/// LODs from their drafts, measured against full detail, and the tones that their captures need.
 fn lods(
     species: &Species,
     fitting: &Fitting<'_>,
     drafts: &[choose::Draft],
     baked: &capture::Baked,
-) -> Result<Vec<AssetLod>, GenerateError> {
+    bark: &[Image<Texel>],
+) -> Result<(Vec<AssetLod>, Tones), GenerateError> {
     fitting.progress.begin("choosing LODs", drafts.len() as u64);
     let full = choose::reference(
         fitting.tree,
@@ -361,7 +367,9 @@ fn lods(
     )?;
     let cutouts = Cutouts::of(&baked.atlas);
     let yardstick = Yardstick::while_ok(&full, &cutouts, || fitting.go_on())?;
-    fitting.lods(drafts, &yardstick, &cutouts, full.bounds().size().y)
+    let lods = fitting.lods(drafts, &yardstick, &cutouts, full.bounds().size().y)?;
+    let tones = tone::measure(&full, &lods, (&baked.atlas, bark), fitting.quads);
+    Ok((lods, tones))
 }
 
 /// Triangles that the shadows are cast by at most: more would not show in a soft shadow.
