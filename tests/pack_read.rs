@@ -70,7 +70,14 @@ fn made(dir: &Path, options: Options) -> TreeAsset {
 fn a_pack_is_read_back_exactly_as_it_was_made() {
     for embed in [false, true] {
         let dir = tempfile::tempdir().expect("a folder");
-        let asset = made(dir.path(), Options { embed, mips: embed });
+        let asset = made(
+            dir.path(),
+            Options {
+                embed,
+                mips: embed,
+                no_wind: false,
+            },
+        );
         let pack = pack::read(&dir.path().join(NAME)).expect("a sound pack");
         assert_eq!(pack.manifest.seed, 11);
         assert_eq!(pack.script, SCRIPT);
@@ -137,6 +144,7 @@ fn by_gltf(path: &Path) -> Mesh {
         let read = Primitive {
             vertices: vertices.collect(),
             indices: reader.read_indices().expect("indices").into_u32().collect(),
+            ..Primitive::default()
         };
         match primitive.material().name() {
             Some("bark") => mesh.bark = read,
