@@ -23,7 +23,7 @@ const MODULUS: f32 = 6e9;
 const THINNEST: f32 = 0.2;
 
 /// The tip of a branch never bends farther than this part of its length at the reference wind.
-const MOST: f32 = 0.25;
+const MOST: f32 = 0.16;
 
 /// Where the tip of a prototype's own branch goes in a wind of 10 m/s, as a part of its length and before
 /// [`tip_part`] has tamed it; 0 for what is no branch. The same for all nodes of the prototype but for their
@@ -62,7 +62,7 @@ fn moment(x: f32, first: f32) -> f32 {
 }
 
 /// Where the tip of a node goes as a part of its length, from its prototype's [`flexure`] and the node's
-/// thickness: a stem twice as thick bends a quarter as far. At most a quarter.
+/// thickness: a stem twice as thick bends a quarter as far.
 #[must_use]
 pub fn tip_part(flexure: f32, thickness: f32) -> f32 {
     let part = flexure / (thickness * thickness).max(1e-6);

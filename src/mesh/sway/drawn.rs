@@ -18,7 +18,8 @@ const SAMPLES: u8 = 4;
 
 impl Drawn {
     /// The line with knots at the places `at` (any order) and at 0 that is nearest to the true curve, by least
-    /// squares: coarse tubes then carry what grows on them as far, in the mean, as fine ones. It never falls.
+    /// squares: coarse tubes then carry what grows on them as far, in the mean, as fine ones. It never
+    /// falls.
     pub(super) fn new(at: impl Iterator<Item = f32>) -> Self {
         let mut places: Vec<f32> = at.chain([0.0]).collect();
         places.sort_by(f32::total_cmp);
@@ -62,7 +63,8 @@ impl Drawn {
     }
 }
 
-/// Solves symmetric tridiagonal rows whose first unknown is fixed at 0; solutions are made not to fall.
+/// Solves symmetric tridiagonal rows whose first unknown is fixed at 0; solutions are made
+/// not to fall, and to stay within 0..=1.
 fn solved(mut rows: Vec<[f32; 3]>) -> Vec<f32> {
     for index in 1..rows.len() {
         let [diagonal, beside, value] = rows[index - 1];
@@ -77,7 +79,7 @@ fn solved(mut rows: Vec<[f32; 3]>) -> Vec<f32> {
     }
     let mut before = 0.0_f32;
     for value in &mut solution {
-        before = before.max(*value);
+        before = before.max(*value).min(1.0);
         *value = before;
     }
     solution

@@ -324,3 +324,99 @@ fn solve(mut rows: Vec<Vec<f64>>) -> Vec<Way> {
 pub(super) fn unit_of(path: u32) -> f32 {
     unit_from_bits(path.wrapping_mul(0x9e37_79b1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::template::TemplateVertex;
+
+    fn square() -> Template {
+        let vertex = |x: f32, y: f32| TemplateVertex {
+            axis: Vec3::new(x, y, 0.0),
+            offset: Vec3::ZERO,
+            normal: Vec3::Z,
+            tangent: Vec3::X,
+            uv: [0.0; 2],
+        };
+        Template {
+            vertices: vec![
+                vertex(-1.0, 0.0),
+                vertex(1.0, 0.0),
+                vertex(-1.0, 2.0),
+                vertex(1.0, 2.0),
+            ],
+            indices: vec![0, 1, 3, 0, 3, 2],
+            ..Template::default()
+        }
+    }
+
+    /// Leaves in a ball inside the square, which none of them touches.
+    fn ball() -> Vec<Sample> {
+        let grid =
+            (0..9_u8).flat_map(|i| (0..9_u8).flat_map(move |j| (0..3_u8).map(move |k| [i, j, k])));
+        grid.map(|n| n.map(f32::from))
+            .map(|[i, j, k]| Vec3::new(i / 4.0 - 1.0, j / 4.0, k / 4.0 - 0.25))
+            .filter(|p| p.distance(Vec3::Y) < 0.9)
+            .map(|at| Sample {
+                at,
+                way: [
+                    0.0,
+                    0.3 + 0.1 * at.x + 0.2 * at.y,
+                    at.y * at.y,
+                    0.0,
+                    0.0,
+                    0.0,
+                ],
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_mean_over_a_quad_is_that_of_its_leaves() {
+        let (template, samples) = (square(), ball());
+        let points: Vec<Vec3> = template.vertices.iter().map(|v| v.axis).collect();
+        let mut ways: Vec<Way> = points.iter().map(|&p| around(&samples, p)).collect();
+        let pieces = pieces(&template);
+        assert_eq!(pieces.len(), 1);
+        fit(&points, &samples, &pieces[0], &|p| p.y < -1.0, &mut ways);
+        let mut sums = [Vec3::ZERO; 2];
+        for sample in &samples {
+            let (on, shares, _) = nearest(&points, &pieces[0].triangles, sample.at);
+            for band in 0..2 {
+                let shown: f32 = on
+                    .iter()
+                    .zip(shares)
+                    .map(|(&v, s)| ways[v][band + 1] * s)
+                    .sum();
+                sums[band] += Vec3::new(shown, sample.way[band + 1], 1.0);
+                let miss = (shown - sample.way[band + 1]).abs();
+                assert!(band > 0 || miss < 0.04, "what is straight stays so: {miss}");
+            }
+        }
+        for sum in sums {
+            assert!(
+                (sum.x / sum.y - 1.0).abs() < 0.02,
+                "{} for {}",
+                sum.x,
+                sum.y
+            );
+        }
+    }
+
+    #[test]
+    fn a_held_vertex_is_a_zero_of_the_fit() {
+        let (template, samples) = (square(), ball());
+        let points: Vec<Vec3> = template.vertices.iter().map(|v| v.axis).collect();
+        let mut ways: Vec<Way> = points.iter().map(|&p| around(&samples, p)).collect();
+        fit(
+            &points,
+            &samples,
+            &pieces(&template)[0],
+            &|p| p.y < 0.1,
+            &mut ways,
+        );
+        let held = ways[0].iter().chain(&ways[1]);
+        assert!(held.clone().all(|w| w.abs() < 1e-6), "{ways:?}");
+        assert!(ways[3][1] > 0.5, "the rest makes up for it: {}", ways[3][1]);
+    }
+}

@@ -330,7 +330,7 @@ impl<'a> Swayer<'a> {
             .enumerate()
         {
             let mut base = node.base;
-            base.bands[self.shared.bands[level]] += tip * drawn.at(link.at);
+            base.bands = carried(base.bands, self.shared.bands[level], tip, drawn.at(link.at));
             base.phase = self.shared.phase(node.seat, index, base.phase);
             base.path = follow(base.path, index);
             let child = Node {
@@ -343,26 +343,28 @@ impl<'a> Swayer<'a> {
         }
     }
 
-    /// Way of the tip of a node's branch, metres; 0 for a root, which the ground holds.
-    fn tip_of(&self, node: &Node) -> f32 {
+    /// Way of the tip of a node's branch, metres; `None` for a root, which the ground holds.
+    fn tip_of(&self, node: &Node) -> Option<f32> {
         let part = &self.shared.tree.prototype(node.seat.0, node.seat.1).part;
         match part {
             Part::Branch(branch) => {
                 let tip = branch.axis.last().map_or(Vec3::ZERO, |s| s.position);
                 if self.shared.bands[node.seat.0] > 0 && node.place.point(tip).y < 0.0 {
-                    return 0.0;
+                    return None;
                 }
-                self.shared
-                    .tip_m(node.seat, node.place.scale, node.thickness)
+                Some(
+                    self.shared
+                        .tip_m(node.seat, node.place.scale, node.thickness),
+                )
             }
-            Part::Stool | Part::Leaf { .. } => 0.0,
+            Part::Stool | Part::Leaf { .. } => Some(0.0),
         }
     }
 
     fn write(
         &self,
         node: &Node,
-        tip: f32,
+        tip: Option<f32>,
         template: &Template,
         motion: &Motion,
         out: &mut Vec<Sway>,
@@ -381,14 +383,13 @@ impl<'a> Swayer<'a> {
                 };
                 out.extend(template.vertices.iter().map(turned));
             }
-            Motion::Along(bends, _) => out.extend(bends.iter().map(|bend| {
-                let mut bands = bands;
-                bands[band] += tip * bend;
-                self.still(bands, phase)
-            })),
+            Motion::Along(bends, _) => out.extend(
+                bends
+                    .iter()
+                    .map(|bend| self.still(carried(bands, band, tip, *bend), phase)),
+            ),
             Motion::Inside(ways) => out.extend(ways.iter().map(|way| {
-                let mut bands = bands;
-                bands[band] += tip * way[OWN];
+                let mut bands = carried(bands, band, tip, way[OWN]);
                 for (sum, place) in bands.iter_mut().zip(BANDS) {
                     *sum += node.place.scale * way[place];
                 }
@@ -422,6 +423,16 @@ fn outfit(template: Option<&Template>, open: bool) -> Outfit<'_> {
         open,
         motion: Motion::None,
     }
+}
+
+/// How a place on a branch sways that has bent by `bend`: with what carries the branch, and with the branch.
+/// A root takes leave of what carries it instead, and its tip stays.
+fn carried(mut bands: [f32; 3], band: usize, tip: Option<f32>, bend: f32) -> [f32; 3] {
+    match tip {
+        Some(tip) => bands[band] += tip * bend,
+        None => bands = bands.map(|b| b * (1.0 - bend.min(1.0))),
+    }
+    bands
 }
 
 /// The bands and the phase of what swings as a sum of limbs that are out of step: together they swing as far
@@ -549,4 +560,24 @@ fn with_own(
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limbs_out_of_step_lean_as_far_and_swing_less() {
+        let (bands, phase) = out_of_step([0.1, 0.4, 0.2], [0.0, 0.3]);
+        assert!((bands.iter().sum::<f32>() - 0.7).abs() < 1e-6, "{bands:?}");
+        assert!((phase - 0.25).abs() < 1e-6);
+        // Half of the outer 0.6 m swings together; the other half goes to all three bands alike.
+        for (band, expected) in bands.iter().zip([0.2, 0.3, 0.2]) {
+            assert!((band - expected).abs() < 1e-6, "{bands:?}");
+        }
+        assert_eq!(
+            out_of_step([0.3, 0.0, 0.0], [0.0; 2]),
+            ([0.3, 0.0, 0.0], 0.0)
+        );
+    }
 }
