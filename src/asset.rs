@@ -10,6 +10,7 @@ use crate::report::Warning;
 use crate::shadow::Shadows;
 use crate::species::schema::LodSelector;
 use crate::tree::{Kind, Tree};
+use crate::wind::Rig;
 
 /// A tree with its LODs, textures and shadows.
 #[derive(Clone, Debug)]
@@ -48,6 +49,8 @@ pub struct TreeAsset {
     pub shadows: Shadows,
     /// Bounds of all LODs, metres.
     pub bounds: Bounds,
+    /// How the sway of all meshes is to be read.
+    pub wind: Rig,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }
@@ -93,7 +96,7 @@ pub struct AssetLod {
     pub iou: f32,
     /// Covered area over full detail's, mean over the calibration views.
     pub coverage: f32,
-    /// Geometry, with uv into the two surfaces.
+    /// Geometry, with uv into the two surfaces, and with sway.
     pub mesh: Mesh,
 }
 

@@ -30,3 +30,4 @@ pub mod species;
 pub mod spline;
 pub mod texture;
 pub mod tree;
+pub mod wind;

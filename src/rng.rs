@@ -43,6 +43,8 @@ pub enum Parameter {
     Phase = 14,
     /// Textures.
     Texture = 15,
+    /// Phase of a limb in the wind.
+    Sway = 16,
 }
 
 /// One place in the tree at which random numbers are drawn.

@@ -40,6 +40,7 @@ fn built(threads: usize, source: capture::Source, seed: u64) -> Vec<PackFile> {
     let options = Options {
         embed: true,
         mips: true,
+        no_wind: false,
     };
     let build = || {
         let images = Beside(std::path::PathBuf::new());

@@ -10,6 +10,7 @@ const LAYERS: &[(&str, &[&str])] = &[
         "base: algebra, draws by key, warnings",
         &["math", "rng", "report"],
     ),
+    ("where the wind takes what sways", &["wind"]),
     ("scripts and what they say", &["species"]),
     ("curves", &["spline"]),
     ("prototypes and links; pixels", &["tree", "image"]),

@@ -48,6 +48,7 @@ fn primitive(corners: &[([f32; 2], [f32; 2])], indices: &[u32]) -> Primitive {
     Primitive {
         vertices: corners.iter().map(vertex).collect(),
         indices: indices.to_vec(),
+        ..Primitive::default()
     }
 }
 

@@ -173,6 +173,7 @@ fn is_whole(item: &Item, options: &RunOptions) -> bool {
         && manifest.seed == item.seed
         && manifest.textures.foliage.size[0] == atlas
         && manifest.textures.foliage.mips.is_empty() != options.pack.mips
+        && manifest.wind.is_none() == options.pack.no_wind
         && manifest.lods.iter().all(|lod| {
             std::fs::read(folder.join(&lod.file))
                 .is_ok_and(|glb| embeds_images(&glb) == options.pack.embed)

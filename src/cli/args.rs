@@ -107,6 +107,9 @@ pub(crate) struct Pack {
     /// Add mips of the foliage atlas that keep the coverage of its alpha.
     #[arg(long)]
     pub(crate) mips: bool,
+    /// Leave out how vertices sway in the wind.
+    #[arg(long)]
+    pub(crate) no_wind: bool,
     /// Replace packs that another version wrote.
     #[arg(long)]
     pub(crate) force: bool,
@@ -397,6 +400,7 @@ impl Pack {
         crate::pack::Options {
             embed: self.embed,
             mips: self.mips,
+            no_wind: self.no_wind,
         }
     }
 

@@ -221,6 +221,7 @@ fn near_first(mesh: &Mesh, view: &View) -> Mesh {
         foliage: Primitive {
             vertices: mesh.foliage.vertices.clone(),
             indices: triangles.into_iter().flat_map(|(_, t)| t).collect(),
+            ..Primitive::default()
         },
     }
 }

@@ -31,6 +31,10 @@ fn primitive(primitive: &Primitive) -> Result<(), String> {
             primitive.indices.len()
         ));
     }
+    if !primitive.sway.is_empty() && primitive.sway.len() != count {
+        let sway = primitive.sway.len();
+        return Err(format!("{sway} of {count} vertices sway"));
+    }
     let mut used = vec![false; count];
     for &index in &primitive.indices {
         match used.get_mut(index as usize) {

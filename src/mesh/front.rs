@@ -82,7 +82,9 @@ fn append(
     thickness: f32,
     mesh: &mut Mesh,
 ) -> Result<(), TooLarge> {
-    let Primitive { vertices, indices } = match template.material {
+    let Primitive {
+        vertices, indices, ..
+    } = match template.material {
         Material::Bark => &mut mesh.bark,
         Material::Foliage => &mut mesh.foliage,
     };

@@ -4,15 +4,18 @@ pub mod card;
 pub mod check;
 mod flatten;
 mod front;
+mod sway;
 mod template;
 mod tube;
 
 pub use flatten::{Flattener, Form, Sizes, TooLarge};
 pub use front::{Dress, Wardrobe, front};
+pub use sway::Swayer;
 pub use template::{Material, Template, TemplateVertex};
 pub use tube::tube;
 
 use crate::math::{Bounds, Vec3};
+use crate::wind::Sway;
 
 /// A vertex as every stage, the exporter and the renderer see it: 48 bytes, no padding.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -35,6 +38,8 @@ pub struct Primitive {
     pub vertices: Vec<Vertex>,
     /// Three a triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
+    /// How the vertices sway, one a vertex, or empty: what [`Swayer`] adds once a mesh is chosen.
+    pub sway: Vec<Sway>,
 }
 
 impl Primitive {

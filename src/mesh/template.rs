@@ -47,8 +47,11 @@ impl Template {
         let mut primitive = Primitive {
             vertices: vec![zero; self.vertices.len()],
             indices: vec![0; self.indices.len()],
+            sway: Vec::new(),
         };
-        let Primitive { vertices, indices } = &mut primitive;
+        let Primitive {
+            vertices, indices, ..
+        } = &mut primitive;
         self.write(place, thickness, vertices, indices, 0);
         match self.material {
             Material::Bark => Mesh {

@@ -1,17 +1,24 @@
 //! One LOD as a GLB: one mesh, at most two primitives (bark: opaque; foliage: alpha-masked, seen from both
-//! sides), interleaved vertices, textures by relative URI or inside.
+//! sides), interleaved vertices, textures by relative URI or inside. How vertices sway goes to attributes of its
+//! own, which programs that do not know them leave alone: COLOR_0 would be multiplied into the colour.
 
-use super::{BuildError, PackFile, Textures};
+use super::{BuildError, Options, PackFile, Textures};
 use crate::capture::ALPHA_CUTOFF;
 use crate::mesh::{Mesh, Primitive, Vertex};
+use crate::wind::Sway;
 use serde_json::{Value, json};
 
 /// Component types and targets of glTF 2.0.
 pub(super) const FLOAT: u32 = 5126;
+pub(super) const I8: u32 = 5120;
+pub(super) const U8: u32 = 5121;
 pub(super) const U16: u32 = 5123;
 pub(super) const U32: u32 = 5125;
 pub(super) const ARRAY_BUFFER: u32 = 34962;
 pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+/// Attributes that tell how a vertex sways.
+pub(super) const WIND: &str = "_WIND";
+pub(super) const WIND_LEAF: &str = "_WIND_LEAF";
 /// Samplers: linear with mips; clamp or repeat.
 const LINEAR: u32 = 9729;
 const LINEAR_MIPMAP_LINEAR: u32 = 9987;
@@ -36,11 +43,11 @@ pub(super) fn glb(
     name: &str,
     mesh: &Mesh,
     textures: &Textures,
-    embed: bool,
+    options: Options,
 ) -> Result<Option<Vec<u8>>, BuildError> {
     let mut document = Document::default();
-    document.primitive(&mesh.bark, "bark", &textures.bark, embed);
-    document.primitive(&mesh.foliage, "foliage", &textures.foliage, embed);
+    document.primitive(&mesh.bark, "bark", &textures.bark, options);
+    document.primitive(&mesh.foliage, "foliage", &textures.foliage, options);
     document.finish(name)
 }
 
@@ -50,13 +57,13 @@ impl Document {
         primitive: &Primitive,
         name: &str,
         textures: &[PackFile; 3],
-        embed: bool,
+        options: Options,
     ) {
         if primitive.indices.is_empty() {
             return;
         }
         let foliage = name == "foliage";
-        let material = self.material(name, textures, foliage, embed);
+        let material = self.material(name, textures, foliage, options.embed);
         let vertices = self.view(
             bytemuck::cast_slice(&primitive.vertices),
             json!({ "target": ARRAY_BUFFER, "byteStride": size_of::<Vertex>() }),
@@ -74,16 +81,37 @@ impl Document {
             self.accessors.push(accessor);
             self.accessors.len() - 1
         };
-        let attributes = json!({
+        let mut attributes = json!({
             "POSITION": attribute(core::mem::offset_of!(Vertex, position), "VEC3", Some(bounds(primitive))),
             "NORMAL": attribute(core::mem::offset_of!(Vertex, normal), "VEC3", None),
             "TANGENT": attribute(core::mem::offset_of!(Vertex, tangent), "VEC4", None),
             "TEXCOORD_0": attribute(core::mem::offset_of!(Vertex, uv), "VEC2", None),
         });
+        if !options.no_wind && !primitive.sway.is_empty() {
+            self.sway(&primitive.sway, &mut attributes);
+        }
         let indices = self.indices(primitive);
         self.primitives.push(json!({
             "attributes": attributes, "indices": indices, "material": material, "mode": 4,
         }));
+    }
+
+    /// How vertices sway, as two attributes of four normalised bytes.
+    fn sway(&mut self, sway: &[Sway], attributes: &mut Value) {
+        let view = self.view(
+            bytemuck::cast_slice(sway),
+            json!({ "target": ARRAY_BUFFER, "byteStride": size_of::<Sway>() }),
+        );
+        for (name, offset, kind) in [
+            (WIND, core::mem::offset_of!(Sway, wind), U8),
+            (WIND_LEAF, core::mem::offset_of!(Sway, leaf), I8),
+        ] {
+            self.accessors.push(json!({
+                "bufferView": view, "byteOffset": offset, "componentType": kind, "normalized": true,
+                "count": sway.len(), "type": "VEC4",
+            }));
+            attributes[name] = json!(self.accessors.len() - 1);
+        }
     }
 
     /// Indices in two bytes where they fit; 65535 itself is reserved as a restart value.

@@ -6,11 +6,12 @@
 
 use crate::capture::ALPHA_CUTOFF;
 use crate::mesh::{Mesh, Primitive, Vertex};
+use crate::wind::Sway;
 use core::mem::offset_of;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::gltf::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, FLOAT, U16, U32};
+use super::gltf::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, FLOAT, I8, U8, U16, U32, WIND, WIND_LEAF};
 
 /// Floats of a vertex.
 const FLOATS: usize = size_of::<Vertex>() / size_of::<f32>();
@@ -82,6 +83,10 @@ struct Attributes {
     normal: usize,
     tangent: usize,
     texcoord_0: usize,
+    #[serde(rename = "_WIND")]
+    wind: Option<usize>,
+    #[serde(rename = "_WIND_LEAF")]
+    wind_leaf: Option<usize>,
 }
 
 #[derive(Deserialize)]
@@ -119,6 +124,8 @@ struct Accessor {
     #[serde(default)]
     byte_offset: usize,
     component_type: u32,
+    #[serde(default)]
+    normalized: bool,
     count: usize,
     #[serde(rename = "type")]
     kind: String,
@@ -246,7 +253,12 @@ impl Document {
         if let Some(index) = indices.iter().find(|&&i| i as usize >= count) {
             return Err(format!("expected indices below {count}, found {index}"));
         }
-        Ok(Primitive { vertices, indices })
+        let sway = self.sway(&triangles.attributes, count, bytes)?;
+        Ok(Primitive {
+            vertices,
+            indices,
+            sway,
+        })
     }
 
     /// Vertices, interleaved exactly as they lie in memory.
@@ -280,11 +292,10 @@ impl Document {
         ] {
             let found = self.accessor(index)?;
             let place = (found.buffer_view, found.count, found.byte_offset);
-            if place != (first.buffer_view, first.count, offset)
-                || (found.component_type, found.kind.as_str()) != (FLOAT, kind)
-            {
+            let form = (found.component_type, found.normalized, found.kind.as_str());
+            if place != (first.buffer_view, first.count, offset) || form != (FLOAT, false, kind) {
                 return Err(format!(
-                    "expected {name} as {kind} of floats, {offset} bytes into each vertex"
+                    "expected {name} as {kind} of floats, not normalized, {offset} bytes into each vertex"
                 ));
             }
         }
@@ -296,11 +307,46 @@ impl Document {
             .collect()
     }
 
+    /// How the vertices sway, interleaved exactly as it lies in memory; empty if the file does not tell.
+    fn sway(
+        &self,
+        attributes: &Attributes,
+        count: usize,
+        bytes: &[u8],
+    ) -> Result<Vec<Sway>, String> {
+        let (wind, leaf) = match (attributes.wind, attributes.wind_leaf) {
+            (None, None) => return Ok(Vec::new()),
+            (Some(wind), Some(leaf)) => (wind, leaf),
+            _ => return Err(format!("expected both {WIND} and {WIND_LEAF}, or neither")),
+        };
+        let first = self.accessor(wind)?;
+        for (name, index, offset, component) in [
+            (WIND, wind, offset_of!(Sway, wind), U8),
+            (WIND_LEAF, leaf, offset_of!(Sway, leaf), I8),
+        ] {
+            let found = self.accessor(index)?;
+            let place = (found.buffer_view, found.count, found.byte_offset);
+            let form = (found.component_type, found.normalized, found.kind.as_str());
+            if place != (first.buffer_view, count, offset) || form != (component, true, "VEC4") {
+                return Err(format!(
+                    "expected {name} as VEC4 of normalized bytes, {offset} bytes into each of {count}"
+                ));
+            }
+        }
+        let stride = size_of::<Sway>();
+        let bytes = self.view(first, ARRAY_BUFFER, Some(stride), stride, bytes)?;
+        Ok(bytes
+            .chunks_exact(stride)
+            .map(bytemuck::pod_read_unaligned)
+            .collect())
+    }
+
     fn indices(&self, accessor: usize, bytes: &[u8]) -> Result<Vec<u32>, String> {
         let accessor = self.accessor(accessor)?;
+        let plain = accessor.byte_offset == 0 && !accessor.normalized;
         let width = match (accessor.kind.as_str(), accessor.component_type) {
-            ("SCALAR", U16) if accessor.byte_offset == 0 => size_of::<u16>(),
-            ("SCALAR", U32) if accessor.byte_offset == 0 => size_of::<u32>(),
+            ("SCALAR", U16) if plain => size_of::<u16>(),
+            ("SCALAR", U32) if plain => size_of::<u32>(),
             _ => return Err("expected indices of 16 or 32 bits".to_owned()),
         };
         let bytes = self.view(accessor, ELEMENT_ARRAY_BUFFER, None, width, bytes)?;
@@ -349,7 +395,7 @@ fn vertex(bytes: &[u8]) -> Option<Vertex> {
 #[cfg(test)]
 mod tests {
     use super::super::gltf::glb;
-    use super::super::{PackFile, Textures};
+    use super::super::{Options, PackFile, Textures};
     use super::*;
     use proptest::prelude::*;
     use serde_json::{Value, json};
@@ -363,6 +409,12 @@ mod tests {
                 .collect(),
             indices: (2..u32::from(vertices))
                 .flat_map(|v| [0, v - 1, v])
+                .collect(),
+            sway: (0..vertices)
+                .map(|v| Sway {
+                    wind: [v, v + 1, v / 256, 7].map(|n| n.to_le_bytes()[0]),
+                    leaf: [-128, -1, 0, 127],
+                })
                 .collect(),
         }
     }
@@ -385,7 +437,11 @@ mod tests {
             bark: files("bark"),
             foliage: files("foliage"),
         };
-        glb("test", mesh, &textures, embed).unwrap().unwrap()
+        let options = Options {
+            embed,
+            ..Options::default()
+        };
+        glb("test", mesh, &textures, options).unwrap().unwrap()
     }
 
     /// The GLB with its JSON changed.
@@ -431,6 +487,10 @@ mod tests {
             for embed in [false, true] {
                 assert!(super::mesh(&written(&mesh, embed)) == Ok(mesh.clone()));
             }
+            let mut still = mesh.clone();
+            still.bark.sway.clear();
+            still.foliage.sway.clear();
+            assert!(super::mesh(&written(&still, false)) == Ok(still));
         }
     }
 
@@ -448,7 +508,7 @@ mod tests {
     fn a_glb_that_says_more_than_ours_is_refused_by_name() {
         let glb = written(&two(), false);
         type Change = fn(&mut Value);
-        let changes: [(&str, Change); 12] = [
+        let changes: [(&str, Change); 15] = [
             ("translation", |v| {
                 v["nodes"][0]["translation"] = json!([0, 1, 0]);
             }),
@@ -480,6 +540,16 @@ mod tests {
             }),
             ("one primitive of bark", |v| {
                 v["meshes"][0]["primitives"][1]["material"] = 0.into();
+            }),
+            ("_WIND as VEC4 of normalized", |v| {
+                v["accessors"][4]["normalized"] = json!(false);
+            }),
+            ("_WIND_LEAF as VEC4", |v| {
+                v["accessors"][5]["byteOffset"] = json!(0);
+            }),
+            ("both _WIND and _WIND_LEAF", |v| {
+                let attributes = &mut v["meshes"][0]["primitives"][0]["attributes"];
+                attributes.as_object_mut().unwrap().remove("_WIND");
             }),
             ("NORMAL", |v| {
                 v["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 0.into();

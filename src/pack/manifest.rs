@@ -1,9 +1,10 @@
 //! `pack.json`: what a pack holds, in words that need no SDK. Field names are a contract.
 
-use super::{BuildError, PackFile};
+use super::{BuildError, Options, PackFile};
 use crate::asset::{Asked, AssetLod, LevelSummary, TreeAsset, level_summaries};
 use crate::species::schema::LodSelector;
 use crate::tree::Tree;
+use crate::wind::{REFERENCE_SPEED_M_S, Rig};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -48,6 +49,9 @@ pub struct Manifest {
     pub textures: TexturesEntry,
     /// Ground shadows.
     pub shadows: ShadowsEntry,
+    /// How `_WIND` and `_WIND_LEAF` are to be read; null in packs without them.
+    #[serde(default)]
+    pub wind: Option<WindEntry>,
     /// Every file of the pack but the manifest.
     pub files: Vec<FileEntry>,
     /// What the user should know.
@@ -248,6 +252,47 @@ pub struct ShadowMapEntry {
     pub ground_rect_m: [f32; 4],
 }
 
+/// How the wind attributes of all GLBs of a pack are to be read. `_WIND` (four unsigned normalised bytes) holds
+/// the weights of three bands (the first branch level, the second, all deeper ones) and the phase of the limb as a
+/// part of a turn; `_WIND_LEAF` (four signed normalised bytes) the way from a leaf's hinge to the vertex and the
+/// leaf's phase in half turns, all zero for what does not turn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WindEntry {
+    /// Speed of the wind at which the other figures hold, metres a second.
+    pub reference_speed_m_s: f32,
+    /// By band: how far a vertex of weight 1 leans in the mean, metres.
+    pub amplitude_m: [f32; 3],
+    /// By band: how often branches swing a second.
+    pub frequency_hz: [f32; 3],
+    /// Distance from its hinge that 1 stands for in a leaf's offset, metres.
+    pub leaf_reach_m: f32,
+    /// Largest turn of leaves about the axis of view, radians.
+    pub leaf_angle: f32,
+}
+
+impl From<&Rig> for WindEntry {
+    fn from(rig: &Rig) -> Self {
+        Self {
+            reference_speed_m_s: REFERENCE_SPEED_M_S,
+            amplitude_m: rig.amplitude_m,
+            frequency_hz: rig.frequency_hz,
+            leaf_reach_m: rig.leaf_reach_m,
+            leaf_angle: rig.leaf_angle,
+        }
+    }
+}
+
+impl From<&WindEntry> for Rig {
+    fn from(entry: &WindEntry) -> Self {
+        Self {
+            amplitude_m: entry.amplitude_m,
+            leaf_reach_m: entry.leaf_reach_m,
+            frequency_hz: entry.frequency_hz,
+            leaf_angle: entry.leaf_angle,
+        }
+    }
+}
+
 /// One file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FileEntry {
@@ -261,7 +306,7 @@ pub struct FileEntry {
 
 impl Manifest {
     /// Describes an asset and its files.
-    pub(super) fn of(asset: &TreeAsset, files: &[PackFile]) -> Self {
+    pub(super) fn of(asset: &TreeAsset, files: &[PackFile], options: Options) -> Self {
         let file = |f: &PackFile| FileEntry {
             path: f.path.clone(),
             bytes: f.bytes.len() as u64,
@@ -290,6 +335,7 @@ impl Manifest {
             lods: LodEntry::all(asset),
             textures: textures(asset, files),
             shadows: shadows(asset),
+            wind: (!options.no_wind).then(|| (&asset.wind).into()),
             files: files.iter().map(file).collect(),
             warnings: asset.warnings.iter().map(ToString::to_string).collect(),
         }

@@ -6,7 +6,9 @@ mod manifest;
 mod read;
 mod write;
 
-pub use manifest::{AskedEntry, FORMAT, FileEntry, LevelEntry, LodEntry, Manifest, VERSION};
+pub use manifest::{
+    AskedEntry, FORMAT, FileEntry, LevelEntry, LodEntry, Manifest, VERSION, WindEntry,
+};
 pub use read::{PackContents, ReadError, read};
 pub use write::{Replace, WriteError, check_place, read_manifest, sweep, verify, write};
 
@@ -20,6 +22,8 @@ pub struct Options {
     pub embed: bool,
     /// True to add the foliage atlas' mips, which keep the coverage of its alpha.
     pub mips: bool,
+    /// True to leave out how vertices sway in the wind: 8 bytes a vertex less.
+    pub no_wind: bool,
 }
 
 /// One file of a pack.
@@ -85,7 +89,7 @@ pub fn build(
     for (index, lod) in asset.lods.iter().enumerate() {
         let path = format!("{}_LOD{index}.glb", asset.slug);
         let name = format!("{}_LOD{index}", asset.slug);
-        let bytes = gltf::glb(&name, &lod.mesh, &textures, options.embed)?
+        let bytes = gltf::glb(&name, &lod.mesh, &textures, options)?
             .ok_or_else(|| BuildError::TooLarge { file: path.clone() })?;
         files.push(PackFile { path, bytes });
     }
@@ -110,7 +114,7 @@ pub fn build(
         path: "preview.png".to_owned(),
         bytes: png::encode(&preview)?,
     });
-    let manifest = Manifest::of(asset, &files);
+    let manifest = Manifest::of(asset, &files, options);
     files.push(PackFile {
         path: "pack.json".to_owned(),
         bytes: manifest.to_json()?,

@@ -14,7 +14,7 @@ use crate::math::Similarity;
 use crate::measure::menu::{Forms, Look};
 use crate::measure::silhouette::Cutouts;
 use crate::measure::yardstick::{Verdict, Yardstick};
-use crate::mesh::{Dress, Flattener, Mesh, TooLarge, Wardrobe, card, front};
+use crate::mesh::{Dress, Flattener, Mesh, Swayer, TooLarge, Wardrobe, card, front};
 use crate::report::{Cancelled, Progress, Warning};
 use crate::species::schema::Lod;
 use crate::tree::{Kind, Tree};
@@ -273,6 +273,7 @@ pub(super) struct Fitting<'a> {
     pub(super) forms: Option<&'a Forms>,
     pub(super) used: &'a Used,
     pub(super) quads: &'a CrossQuads,
+    pub(super) swayer: &'a Swayer<'a>,
     pub(super) bark_height: f32,
     pub(super) calibrate: bool,
     pub(super) selection: Selection,
@@ -339,9 +340,10 @@ impl Fitting<'_> {
                     best = Some((scale, verdict, mesh, candidate));
                 }
             }
-            let Some((scale, verdict, mesh, candidate)) = best else {
+            let Some((scale, verdict, mut mesh, candidate)) = best else {
                 continue;
             };
+            self.sway(candidate, scale, &mut mesh);
             let (error_m, screen_size) = sizes.next(verdict.error_m);
             lods.push(AssetLod {
                 budget: draft.budget,
@@ -406,6 +408,23 @@ impl Fitting<'_> {
                 front(self.tree, &self.wardrobe(forms, scale), &cut.choices)
             }
             (Candidate::Cut(_), None) => Ok(Mesh::default()),
+        }
+    }
+
+    /// Adds to a candidate's mesh how it sways.
+    fn sway(&self, candidate: &Candidate, scale: f32, mesh: &mut Mesh) {
+        match (candidate, self.forms) {
+            (Candidate::Levels(state, _), _) => {
+                let form = self
+                    .quads
+                    .scaled_form(self.tree, state, self.bark_height, scale);
+                self.swayer.form(&form, mesh);
+            }
+            (Candidate::Cut(cut), Some(forms)) => {
+                self.swayer
+                    .front(&self.wardrobe(forms, scale), &cut.choices, mesh);
+            }
+            (Candidate::Cut(_), None) => {}
         }
     }
 

@@ -18,7 +18,7 @@ use crate::measure::MeasureError;
 use crate::measure::menu::{self, Forms};
 use crate::measure::silhouette::Cutouts;
 use crate::measure::yardstick::Yardstick;
-use crate::mesh::{Flattener, Mesh, TooLarge};
+use crate::mesh::{Flattener, Mesh, Swayer, TooLarge};
 use crate::report::{Cancelled, Progress, Warning};
 use crate::shadow::{self, Shadows};
 use crate::species::Files;
@@ -165,11 +165,14 @@ pub fn generate(
         &settings.captures,
         progress,
     )?;
+    let swayer = Swayer::new(&tree);
+    let wind = swayer.rig();
     let fitting = Fitting {
         tree: &tree,
         forms: forms.as_ref(),
         used: &used,
         quads: &baked.quads,
+        swayer: &swayer,
         bark_height: height,
         calibrate: settings.calibrate.unwrap_or(species.lod.calibrate),
         selection: settings.asked(species).selector.into(),
@@ -217,6 +220,7 @@ pub fn generate(
         rects: baked.rects,
         reliefs: baked.quads.reliefs(),
         shadows,
+        wind,
         warnings,
         tree,
     })

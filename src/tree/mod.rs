@@ -12,6 +12,7 @@
 
 mod branch;
 mod count;
+pub mod flex;
 mod grow;
 mod limits;
 mod links;

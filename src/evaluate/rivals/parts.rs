@@ -91,6 +91,7 @@ pub(super) fn compact(vertices: &[Vertex], mut indices: Vec<u32>) -> Primitive {
     Primitive {
         vertices: used,
         indices,
+        ..Primitive::default()
     }
 }
 
@@ -162,6 +163,7 @@ mod tests {
         let primitive = Primitive {
             vertices,
             indices: vec![0, 1, 2, 5, 4, 6, 6, 7, 5, 3, 2, 7],
+            ..Primitive::default()
         };
         let parts = Parts::of(&primitive);
         assert_eq!(parts.triangles(), [4]);
