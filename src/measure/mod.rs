@@ -7,5 +7,6 @@ mod context;
 pub mod flip;
 pub mod menu;
 pub mod silhouette;
+mod strips;
 pub mod views;
 pub mod yardstick;
