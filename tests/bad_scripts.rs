@@ -321,6 +321,19 @@ fn forms_name_branch_levels_once_with_a_form_that_there_is() {
         let with = format!("[(\"limbs\", {planes})]");
         forms(&with, &["lod.forms[0].1", "takes one number", "Planes(8)"]);
     }
+    for strips in ["Strips", "Strips(2)", "Strips(2, 4, 1)", "Strips(n: 2)"] {
+        let with = format!("[(\"limbs\", {strips})]");
+        let words = ["lod.forms[0].1", "takes two numbers", "Strips(2, 4)"];
+        forms(&with, &words);
+    }
+    forms(
+        "[(\"limbs\", Strips(5, 4))]",
+        &["lod.forms[0].1.0", "a whole number from 1 to 4"],
+    );
+    forms(
+        "[(\"limbs\", Strips(2, 17))]",
+        &["lod.forms[0].1.1", "a whole number from 1 to 16"],
+    );
     forms("[(\"limbs\", Cross(2))]", &["takes nothing in brackets"]);
     forms("[(\"limbs\", StarTopp)]", &["did you mean `StarTop`?"]);
     forms(

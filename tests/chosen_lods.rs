@@ -152,6 +152,15 @@ fn quads_that_are_not_calibrated_keep_their_size() {
 }
 
 #[test]
+fn fronds_are_drawn_as_strips_where_triangles_are_few() {
+    let found = species().iter().find(|(s, ..)| s.slug.contains("palm"));
+    let (_, cut, _) = found.expect("one of the species");
+    let state = &lod(cut, 400).state;
+    let fronds = state.split("; ").find_map(|p| p.strip_prefix("fronds: "));
+    assert!(fronds.is_some_and(|f| f.contains("strips")), "{state}");
+}
+
+#[test]
 fn forms_that_a_script_forces_are_the_only_ones_of_their_level() {
     let mut script = Script {
         slug: palm().slug.clone(),

@@ -26,7 +26,10 @@ const LAYERS: &[(&str, &[&str])] = &[
         "render to texture; the finished tree",
         &["capture", "asset"],
     ),
-    ("pictures compared; the graphics adapter", &["measure", "gpu"]),
+    (
+        "pictures compared; the graphics adapter",
+        &["measure", "gpu"],
+    ),
     (
         "the list of stages; pictures, drawn by a processor or an adapter",
         &["pipeline", "preview", "render"],

@@ -38,15 +38,27 @@ fn main() -> ExitCode {
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
         ("pictures_look_as_they_did", pictures_look_as_they_did),
         ("the_tree_covers_what_the_rasteriser_says", covers_the_same),
-        ("far_lods_look_like_full_detail_where_they_are_shown", lods_look_alike),
+        (
+            "far_lods_look_like_full_detail_where_they_are_shown",
+            lods_look_alike,
+        ),
         ("shares_of_the_nine_shadows_are_the_librarys", shares_agree),
-        ("the_ground_is_dark_where_the_baked_shadow_lies", ground_shadow),
+        (
+            "the_ground_is_dark_where_the_baked_shadow_lies",
+            ground_shadow,
+        ),
         ("trees_alone_stand_on_nothing", transparent),
         ("filters_soften_edges_and_keep_the_covered_area", filters),
-        ("the_sum_of_four_factors_lights_the_side_of_the_sun", four_factors),
+        (
+            "the_sum_of_four_factors_lights_the_side_of_the_sun",
+            four_factors,
+        ),
         ("every_view_shows_the_tree", views),
         ("a_window_without_height_draws_nothing", no_height),
-        ("what_the_adapter_cannot_take_is_refused_in_words", too_large),
+        (
+            "what_the_adapter_cannot_take_is_refused_in_words",
+            too_large,
+        ),
         ("a_lost_device_is_told_and_not_a_panic", lost),
     ];
     let trials = tests
@@ -202,9 +214,13 @@ fn covers_the_same() -> Outcome {
         let silhouette = Silhouette::of(&asset.lods[lod].mesh, &cutouts, &view);
         let expected = silhouette.area() as f32 / (512.0 * 512.0);
         let off = drawn / expected - 1.0;
-        println!("lod {lod}: {drawn:.4} of the picture, {expected:.4} by the rasteriser, {off:+.3}");
+        println!(
+            "lod {lod}: {drawn:.4} of the picture, {expected:.4} by the rasteriser, {off:+.3}"
+        );
         if off.abs() > 0.08 {
-            return Err(format!("lod {lod}: covers {drawn}, the rasteriser says {expected}").into());
+            return Err(
+                format!("lod {lod}: covers {drawn}, the rasteriser says {expected}").into(),
+            );
         }
     }
     Ok(())
@@ -216,7 +232,8 @@ fn lods_look_alike() -> Outcome {
     let mut last = 0.0;
     for lod in 1..renderer.models()[0].lods.len() {
         // As large as it is at most shown in a picture 1080 high.
-        let height = (1080.0 * renderer.models()[0].lods[lod].screen_size).clamp(24.0, 300.0) as u32;
+        let height =
+            (1080.0 * renderer.models()[0].lods[lod].screen_size).clamp(24.0, 300.0) as u32;
         let size = [height * 4 / 5, height];
         let expected = renderer.picture(&full, size)?;
         let mut coarse = full.clone();
@@ -395,7 +412,9 @@ fn filters() -> Outcome {
     scene.setting.backdrop = false;
     let mut draw = |filter| {
         scene.filter = filter;
-        renderer.picture(&scene, SIZE).map(|p| (covered(&p), hardness(&p)))
+        renderer
+            .picture(&scene, SIZE)
+            .map(|p| (covered(&p), hardness(&p)))
     };
     let plain = draw(Filter::None)?;
     let soft = [Filter::Bilinear, Filter::Alpha, Filter::Combined].map(&mut draw);
@@ -404,7 +423,9 @@ fn filters() -> Outcome {
     println!("covered, hardness: {plain:?}, {bilinear:?}, {alpha:?}, {both:?}");
     for (name, (part, hard)) in [("bilinear", bilinear), ("alpha", alpha), ("both", both)] {
         if (part / plain.0 - 1.0).abs() > 0.06 || hard >= plain.1 {
-            return Err(format!("{name}: covered {part}, hardness {hard}; {plain:?} without").into());
+            return Err(
+                format!("{name}: covered {part}, hardness {hard}; {plain:?} without").into(),
+            );
         }
     }
     if both.1 >= alpha.1.min(bilinear.1) {
@@ -472,20 +493,23 @@ fn views() -> Outcome {
 fn no_height() -> Outcome {
     let mut renderer = renderer(palm())?;
     let scene = scene(&renderer, 0);
-    let texture = renderer.gpu().device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d {
-            width: 4,
-            height: 4,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8UnormSrgb,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
+    let texture = renderer
+        .gpu()
+        .device
+        .create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d {
+                width: 4,
+                height: 4,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        });
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     for size in [[0, 0], [4, 0], [4, 4], [0, 4]] {
         let encoder = renderer.draw(&scene, &view, size)?;

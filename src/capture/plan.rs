@@ -55,6 +55,9 @@ pub struct PlaneSet {
     /// The planes in the prototype's frame; their members count the items of the mesh that captures are
     /// drawn from ([`crate::impostor::planes::items`]).
     pub planes: Vec<Plane>,
+    /// True if the planes are in the frame of the straightened prototype
+    /// ([`crate::impostor::planes::strips`]).
+    pub straightened: bool,
 }
 
 /// Two views a subject.

@@ -8,7 +8,7 @@ use super::raster::{Textures, View, Visibility};
 use crate::image::atlas::Rect;
 use crate::image::{Image, Texel};
 use crate::impostor::cross_quad::{self, CrossQuads, RIGHT};
-use crate::impostor::planes::{self, Plane};
+use crate::impostor::planes::{self, Plane, strips};
 use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3, float};
 use crate::mesh::card::{Quad, UvRect};
@@ -132,7 +132,13 @@ impl Studio<'_> {
         // What a plane's members count are the items of this very mesh.
         let state = self.state(Subject::Combined { level, prototype }, source);
         let form = self.quads.form(self.tree, &state, self.bark_height);
-        let mesh = self.mesh(&form, level, prototype, node)?;
+        let mesh = if set.straightened {
+            let tube = (CAPTURE_SPLINE_LOD, self.bark_height);
+            let standing = (node.turn, node.thickness);
+            strips::straightened(self.tree, &form, (level, prototype), tube, standing)?
+        } else {
+            self.mesh(&form, level, prototype, node)?
+        };
         let occlusion = Occlusion::of(&mesh);
         let items = planes::items(&mesh);
         let shot = |(plane, rect): (&Plane, &Rect)| {

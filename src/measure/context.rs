@@ -10,6 +10,7 @@ use super::views::{Direction, calibration, sphere};
 use crate::capture::{CAPTURE_SPLINE_LOD, View};
 use crate::impostor::cross_quad::CrossQuads;
 use crate::impostor::planes::Plane;
+use crate::impostor::planes::strips::{self, Strip};
 use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3};
 use crate::mesh::card::{Quad, UvRect};
@@ -162,6 +163,13 @@ impl Gauge<'_> {
     /// Everything that a prototype stands for.
     fn subtree(&self, level: usize, prototype: usize) -> Result<Mesh, TooLarge> {
         self.flatten(&self.form(level), level, prototype)
+    }
+
+    /// The same with its own branch laid along +Y.
+    pub(super) fn straightened(&self, level: usize, prototype: usize) -> Result<Mesh, TooLarge> {
+        let (form, seat) = (self.form(level), (level, prototype));
+        let standing = (self.turns[level], 1.0);
+        strips::straightened(self.tree, &form, seat, (CAPTURE_SPLINE_LOD, 1.0), standing)
     }
 
     /// A prototype's sub-tree without its own branch.
@@ -522,6 +530,23 @@ impl Context<'_> {
     pub(super) fn try_scaled(&self, quads: &[TrialQuad], scales: &[f32]) -> Trial {
         let scaled = quads.iter().zip(scales);
         let meshes: Vec<Mesh> = scaled.map(|(q, &scale)| q.mesh(scale)).collect();
+        self.try_meshes(quads, &meshes)
+    }
+
+    /// Draws the exchangeable nodes as strips with the pictures of quads, widened by `scale`.
+    pub(super) fn try_strips(&self, quads: &[TrialQuad], strips: &[Strip], scale: f32) -> Trial {
+        let bent = strips.iter().map(|strip| {
+            let strip = core::slice::from_ref(strip);
+            strips::template(strip, &[UvRect::ALL], &[scale])
+        });
+        let meshes: Vec<Mesh> = bent
+            .map(|template| template.placed(&Similarity::IDENTITY, 1.0))
+            .collect();
+        self.try_meshes(quads, &meshes)
+    }
+
+    /// Draws the exchangeable nodes as meshes with the pictures of quads.
+    fn try_meshes(&self, quads: &[TrialQuad], meshes: &[Mesh]) -> Trial {
         self.compare(|silhouette, node, view| {
             for (mesh, quad) in meshes.iter().zip(quads) {
                 silhouette.add(mesh, node, &quad.cutouts, view);

@@ -10,15 +10,16 @@
 //! overlap in the whole tree.
 
 use super::MeasureError;
-use super::context::{Context, Gauge, Scene, Scenes, TrialQuad, cards};
+use super::context::{Context, Gauge, Scene, Scenes, Trial, TrialQuad, cards};
 use super::silhouette::Cutouts;
 use crate::impostor::cross_quad::{self, CrossQuads};
+use crate::impostor::planes::strips::Strip;
 use crate::impostor::planes::{self, Plane};
 use crate::lod::cut::{Menu, Offer};
 use crate::lod::{Form, State};
 use crate::math::{PI, Quat, Vec3};
 use crate::mesh::{Mesh, tube};
-use crate::report::{Cancelled, Progress};
+use crate::report::Progress;
 use crate::species::schema::{ClosedForm, Lod, Simplification};
 use crate::tree::{Branch, Part, Tree};
 use rayon::prelude::*;
@@ -42,12 +43,14 @@ pub enum Look {
 /// A set of planes that shows a prototype with all that grows on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Set {
-    /// The planes, in the prototype's frame.
+    /// The planes, in the prototype's frame, or in that of the straightened prototype for strips.
     pub planes: Vec<Plane>,
     /// By plane: factor on its quad's size at which the set covers what it stands for.
     pub scales: Vec<f32>,
-    /// In words: `cross+top`, `planes 8`.
+    /// In words: `cross+top`, `planes 8`, `strips 2x4`.
     pub name: String,
+    /// The planes cut and bent, if they are; empty for planes that stay as they are.
+    pub strips: Vec<Strip>,
 }
 
 /// All forms of all prototypes.
@@ -93,7 +96,7 @@ const STAR_TOP: &str = "star+top";
 const CONTEXT_CARDS: u64 = 4000;
 
 /// Sub-trees of more cards get crossed quads only: fitting planes to them would cost more than it gives.
-const FITTED_CARDS: u64 = 2500;
+pub(super) const FITTED_CARDS: u64 = 2500;
 
 /// Numbers of fitted planes that are tried.
 const FITTED: [usize; 7] = [3, 4, 6, 8, 12, 16, 24];
@@ -399,7 +402,7 @@ impl Gauge<'_> {
         forced: Option<ClosedForm>,
         (own, context): (&Mesh, &Context<'_>),
         found: &mut Found,
-    ) -> Result<(), Cancelled> {
+    ) -> Result<(), MeasureError> {
         let (level, prototype) = seat;
         let items = planes::items(own);
         let through = match &self.tree.prototype(level, prototype).part {
@@ -421,7 +424,7 @@ impl Gauge<'_> {
         };
         let attempt = |planes: Vec<Plane>, name: String| -> (Set, f32, Vec<TrialQuad>) {
             let quads = trial(&planes);
-            let (scale, error) = best_scale(context, &quads);
+            let (scale, error) = best_scale(|scale| context.try_quads(&quads, scale));
             let mut scales = vec![scale; planes.len()];
             let mut error = error;
             let is_level: Vec<bool> = planes.iter().map(|p| p.normal().y.abs() > 0.9).collect();
@@ -433,6 +436,7 @@ impl Gauge<'_> {
                     planes,
                     scales,
                     name,
+                    strips: Vec::new(),
                 },
                 error,
                 quads,
@@ -459,7 +463,7 @@ impl Gauge<'_> {
                 .push((Look::Cross(best.0.scales[0]), closed(4, best.1)));
         }
         let sets: Vec<(Set, f32, Vec<TrialQuad>)> = match forced {
-            Some(ClosedForm::Cross) => Vec::new(),
+            Some(ClosedForm::Cross | ClosedForm::Strips(..)) => Vec::new(),
             Some(ClosedForm::CrossTop) => vec![attempt(star(2, turn, true), CROSS_TOP.to_owned())],
             Some(ClosedForm::StarTop) => vec![attempt(star(3, turn, true), STAR_TOP.to_owned())],
             Some(ClosedForm::Planes(count)) => {
@@ -501,8 +505,13 @@ impl Gauge<'_> {
                 .forms
                 .push((Look::Planes(set), closed(triangles, error)));
         }
+        for strip in self.strips(seat, forced, &context, &items)? {
+            found.shifts.push(strip.shift);
+            let offer = closed(strip.triangles, strip.error);
+            found.forms.push((Look::Planes(strip.set), offer));
+        }
         // What was tried after a cancel is not whole.
-        self.go_on()
+        Ok(self.go_on()?)
     }
 }
 
@@ -513,6 +522,12 @@ fn keep_the_useful(forms: &mut Vec<(Look, Offer)>) {
     forms.retain(|(look, offer)| {
         let gain = if offer.open { 1.0 } else { USEFUL };
         let beaten = offers.iter().any(|other| {
+            // Of two that are nearly alike, one must stay.
+            let gain = if other.triangles == offer.triangles {
+                1.0
+            } else {
+                gain
+            };
             other.open == offer.open
                 && other.triangles <= offer.triangles
                 && (other.triangles, other.error) != (offer.triangles, offer.error)
@@ -526,22 +541,22 @@ fn keep_the_useful(forms: &mut Vec<(Look, Offer)>) {
 const USEFUL: f32 = 0.97;
 
 /// The scale at which quads cover as much as full detail, within bounds, and the error there.
-fn best_scale(context: &Context<'_>, quads: &[TrialQuad]) -> (f32, f32) {
-    let plain = context.try_quads(quads, 1.0);
+pub(super) fn best_scale(attempt: impl Fn(f32) -> Trial) -> (f32, f32) {
+    let plain = attempt(1.0);
     let [low, high] = SCALES;
     // Area goes with the square of the scale where nothing overlaps; crowns overlap.
     let guess = (1.0 / plain.coverage.max(0.1)).sqrt().clamp(low, high);
     if (guess - 1.0).abs() < 0.005 {
         return (1.0, plain.error);
     }
-    let second = context.try_quads(quads, guess);
+    let second = attempt(guess);
     let slope = (second.coverage - plain.coverage) / (guess - 1.0);
     let scale = if slope > 1e-3 {
         (1.0 + (1.0 - plain.coverage) / slope).clamp(low, high)
     } else {
         guess
     };
-    let third = context.try_quads(quads, scale);
+    let third = attempt(scale);
     (scale, third.error)
 }
 

@@ -7,6 +7,7 @@ mod context;
 pub mod flip;
 pub mod menu;
 pub mod silhouette;
+mod strips;
 pub mod views;
 pub mod yardstick;
 

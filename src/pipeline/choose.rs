@@ -8,6 +8,7 @@ use super::GenerateError;
 use crate::asset::AssetLod;
 use crate::capture::{Plan, PlaneSet, Subject};
 use crate::impostor::cross_quad::CrossQuads;
+use crate::impostor::planes::strips;
 use crate::lod::cut::{Cutter, Front, Offer};
 use crate::lod::{Counts, Form, ScreenSizes, Selector, State, Triangles};
 use crate::math::Similarity;
@@ -188,12 +189,19 @@ pub(super) fn extend(plan: &mut Plan, tree: &Tree, forms: Option<&Forms>, drafts
                     }
                     match look {
                         Look::Planes(set) => {
-                            places[level][prototype][index] = Some(plan.sets.len());
-                            plan.sets.push(PlaneSet {
+                            let wanted = PlaneSet {
                                 level,
                                 prototype,
                                 planes: set.planes.clone(),
-                            });
+                                straightened: !set.strips.is_empty(),
+                            };
+                            // Strips that are cut differently share their pictures.
+                            let known = plan.sets.iter().position(|s| *s == wanted);
+                            let place = known.unwrap_or(plan.sets.len());
+                            places[level][prototype][index] = Some(place);
+                            if known.is_none() {
+                                plan.sets.push(wanted);
+                            }
                         }
                         Look::Cross(_) => {
                             if let Some(subject) = plan.combined(level, prototype) {
@@ -468,6 +476,11 @@ impl Fitting<'_> {
             Look::Cross(own) => quads.combined[level][prototype]
                 .map(|q| card::quads(&q.map(|q| q.scaled_on(level, own * scale)))),
             Look::Planes(set) => self.used.places[level][prototype][index].map(|place| {
+                if !set.strips.is_empty() {
+                    let uvs: Vec<card::UvRect> = quads.sets[place].iter().map(|q| q.uv).collect();
+                    let scales: Vec<f32> = set.scales.iter().map(|own| own * scale).collect();
+                    return strips::template(&set.strips, &uvs, &scales);
+                }
                 let scaled: Vec<card::Quad> = quads.sets[place]
                     .iter()
                     .zip(&set.scales)

@@ -440,6 +440,8 @@ pub enum ClosedForm {
     StarTop,
     /// This many planes, 1..=64, fitted to the node.
     Planes(u32),
+    /// This many strips, 1..=4, each of so many segments, 1..=16, along the node's branch.
+    Strips(u32, u32),
 }
 
 /// The three kinds of simplification of the paper (its section IV.E).

@@ -1,9 +1,11 @@
 //! Sets of planes that show one shared prototype: more quads than a cross.
 //!
-//! Stars show everything on each plane, clumps a part of it on two or three, fitted planes each leaf once.
+//! Stars show everything on each plane, clumps a part of it on two or three, fitted planes each leaf once; strips are
+//! planes bent along a branch.
 
 mod fitted;
 mod stars;
+pub mod strips;
 
 pub use fitted::fitted;
 pub use stars::{clumps, star};

@@ -140,6 +140,12 @@ pub const BUDGET: (u64, u64) = (4, 1_000_000_000);
 /// Fitted planes of a closed form.
 pub const PLANES: (u64, u64) = (1, 64);
 
+/// Numbers of strips of a node.
+pub const STRIPS: (u64, u64) = (1, 4);
+
+/// Numbers of segments of a strip.
+pub const SEGMENTS: (u64, u64) = (1, 16);
+
 /// Most levels of a species.
 pub const MAX_LEVELS: usize = 16;
 /// Most budgets of a chain.

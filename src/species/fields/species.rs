@@ -127,7 +127,7 @@ pub const SIMPLIFICATIONS: &[&str] = &["Splines", "Branches", "Levels"];
 pub const SELECTORS: &[&str] = &["Cut", "Levels"];
 
 /// Names of the closed forms of a level's nodes.
-pub const CLOSED_FORMS: &[&str] = &["Cross", "CrossTop", "StarTop", "Planes"];
+pub const CLOSED_FORMS: &[&str] = &["Cross", "CrossTop", "StarTop", "Planes", "Strips"];
 
 /// How the LOD chain is made.
 pub static LOD: Table = Table {
@@ -166,11 +166,15 @@ pub static LOD: Table = Table {
         ),
         field(
             "forms",
-            Other("list of (level, Cross, CrossTop, StarTop or Planes(1 to 64))"),
+            Other(
+                "list of (level, Cross, CrossTop, StarTop, Planes(1 to 64) or \
+                 Strips(1 to 4, 1 to 16))",
+            ),
             Means("[]"),
             "By branch level, the one closed form that its nodes may take: Cross is two crossed \
              quads, CrossTop adds a level one, StarTop is three upright quads and a level one, \
-             Planes(n) is n fitted planes. Levels not named may take any.",
+             Planes(n) is n fitted planes, Strips(n, m) is n strips of m segments that follow \
+             the bend of the node's branch. Levels not named may take any.",
         ),
     ]],
 };

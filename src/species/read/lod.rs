@@ -3,8 +3,8 @@
 use super::levels::Levels;
 use crate::species::decode::{Fields, Report, Value};
 use crate::species::fields::{
-    self, BUDGET, CLOSED_FORMS, MAX_BUDGETS, MAX_LEVELS, MAX_TOLERANCES, PLANES, SELECTORS,
-    SIMPLIFICATIONS, TOLERANCE,
+    self, BUDGET, CLOSED_FORMS, MAX_BUDGETS, MAX_LEVELS, MAX_TOLERANCES, PLANES, SEGMENTS,
+    SELECTORS, SIMPLIFICATIONS, STRIPS, TOLERANCE,
 };
 use crate::species::schema::{ClosedForm, LevelKind, Lod, LodSelector, Simplification};
 use crate::species::syntax::Kind;
@@ -181,6 +181,9 @@ fn closed_form(out: &mut Report, value: &Value<'_>) -> Option<ClosedForm> {
     if name == "Planes" {
         return planes(out, value).map(ClosedForm::Planes);
     }
+    if name == "Strips" {
+        return strips(out, value);
+    }
     // `Cross()` is `Cross` with nothing in it; anything inside would be lost.
     let is_bare = match &value.node.kind {
         Kind::Tuple { items, .. } => items.is_empty(),
@@ -208,5 +211,23 @@ fn planes(out: &mut Report, value: &Value<'_>) -> Option<u32> {
     }
     let fault = value.fault("`Planes` takes one number: how many planes are fitted");
     out.push(fault.help("Planes(8)"));
+    None
+}
+
+/// The numbers in `Strips(2, 4)`.
+fn strips(out: &mut Report, value: &Value<'_>) -> Option<ClosedForm> {
+    if let Kind::Tuple { items, .. } = &value.node.kind
+        && let [count, segments] = items.as_slice()
+    {
+        let mut number = |item, index: u32, (least, most)| {
+            let item = Value::new(item, format!("{}.{index}", value.path));
+            u32::try_from(item.whole(out, least, most)?).ok()
+        };
+        let (count, segments) = (number(count, 0, STRIPS), number(segments, 1, SEGMENTS));
+        return Some(ClosedForm::Strips(count?, segments?));
+    }
+    let what = "`Strips` takes two numbers: how many strips, and how many segments each has";
+    let fault = value.fault(what);
+    out.push(fault.help("Strips(2, 4)"));
     None
 }
