@@ -32,7 +32,7 @@ impl Set<'_> {
     /// Linear light that comes from each sample of a LOD.
     fn light(&self, lod: &AssetLod, view: &View) -> Vec<Option<Vec3>> {
         let seen = Visibility::draw(&lod.mesh, self.textures, view);
-        let sun = Vec3::new(0.75, 1.0, 0.45).normalize();
+        let sun = Vec3::new(0.75, 1.0, 0.45).normalize_or(Vec3::Y);
         let places = (0..view.height).flat_map(|y| (0..view.width).map(move |x| (x, y)));
         let light = |(x, y)| {
             let seen = seen.surface(x, y, &lod.mesh, self.textures, view)?;

@@ -45,7 +45,7 @@ const SUN_TURNS: [f32; 2] = [0.9, 2.399_963_2];
 
 /// Suns around each view, each with its part of the light.
 const SUNS: usize = 3;
-const SUN_SHARE: f32 = SUNS as f32;
+const SUN_SHARE: f32 = 3.0;
 
 /// Rounds over all LODs in which the tints are made to agree.
 const ROUNDS: usize = 40;
