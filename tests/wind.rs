@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use common::{Script, Sketch, cases, scripts, sketches, small, stand_ins};
 use pleach::asset::{AssetLod, TreeAsset};
 use pleach::lod::{Form, State};
-use pleach::math::{Vec2, Vec3};
+use pleach::math::{Vec2, Vec3, float, floor_to_u32};
 use pleach::mesh::{Flattener, Mesh, Swayer, check};
 use pleach::pipeline::{self, Settings};
 use pleach::report::Quiet;
@@ -67,7 +67,8 @@ fn means(asset: &TreeAsset, lod: &AssetLod, times: &[f32]) -> Means {
     for corners in foliage.indices.chunks_exact(3) {
         let vertex = |i: usize| &foliage.vertices[corners[i] as usize];
         let at = |i: usize| Vec3::from(vertex(i).position);
-        let area = (at(1) - at(0)).cross(at(2) - at(0)).length() / f32::from(grid).powi(2);
+        let area =
+            (at(1) - at(0)).cross(at(2) - at(0)).length() / (f32::from(grid) * f32::from(grid));
         let leans: Vec<[Vec3; 3]> = times
             .iter()
             .map(|&time| {
@@ -84,13 +85,13 @@ fn means(asset: &TreeAsset, lod: &AssetLod, times: &[f32]) -> Means {
             );
             let mix = |a: f32, b: f32, c: f32| a * (1.0 - s - t) + b * s + c * t;
             let uv = [0, 1].map(|k| mix(vertex(0).uv[k], vertex(1).uv[k], vertex(2).uv[k]));
-            let texel = |u: f32, size: u32| ((u * size as f32) as u32).min(size - 1);
+            let texel = |u: f32, size: u32| floor_to_u32(u * float(size)).min(size - 1);
             let [_, _, _, a] = alpha.at(texel(uv[0], alpha.width()), texel(uv[1], alpha.height()));
             if *a < 128 {
                 continue;
             }
             let height = mix(at(0).y, at(1).y, at(2).y) / asset.bounds.max.y;
-            let quarter = ((height * 4.0).max(0.0) as usize).min(3);
+            let quarter = floor_to_u32(height * 4.0).min(3) as usize;
             means.area[quarter] += area;
             for (sum, [a, b, c]) in means.moved[quarter].iter_mut().zip(&leans) {
                 *sum += (*a * (1.0 - s - t) + *b * s + *c * t) * area;
@@ -216,7 +217,7 @@ impl Walk<'_> {
             Part::Stool => {}
             Part::Leaf { .. } => {
                 first = bands(&self.mesh.foliage.sway[self.foliage]);
-                self.foliage += node.part.full_triangles() as usize + 2;
+                self.foliage += count(node.part.full_triangles()) + 2;
             }
             Part::Branch(branch) => {
                 let (rings, sides) = branch.tube(self.lod);
@@ -228,7 +229,7 @@ impl Walk<'_> {
                 }
                 line.push((1.0, sway(rings * row)));
                 first = line[0].1;
-                self.bark += branch.vertices(self.lod) as usize;
+                self.bark += count(branch.vertices(self.lod));
             }
         }
         for link in &node.links {
@@ -242,10 +243,9 @@ impl Walk<'_> {
                 .clamp(1, line.len() - 1);
             let (a, b) = (line[after - 1], line[after]);
             let part = ((link.at - a.0) / (b.0 - a.0).max(1e-6)).clamp(0.0, 1.0);
-            for band in 0..3 {
-                let carried =
-                    f32::from(a.1[band]) + (f32::from(b.1[band]) - f32::from(a.1[band])) * part;
-                let miss = (f32::from(child[band]) - carried).abs();
+            for (band, &found) in child.iter().enumerate() {
+                let [a, b] = [a.1[band], b.1[band]].map(f32::from);
+                let miss = (f32::from(found) - (a + (b - a) * part)).abs();
                 // Each of the three numbers is rounded by half a step.
                 assert!(miss <= 1.01, "level {level} at {}: {miss} steps", link.at);
             }
@@ -253,6 +253,10 @@ impl Walk<'_> {
         }
         first
     }
+}
+
+fn count(number: u64) -> usize {
+    usize::try_from(number).expect("a small mesh")
 }
 
 /// A tree with all levels as geometry of one spline LOD.

@@ -1,6 +1,6 @@
 //! One LOD as a GLB: one mesh, at most two primitives (bark: opaque; foliage: alpha-masked, seen from both
 //! sides), interleaved vertices, textures by relative URI or inside. How vertices sway goes to attributes of its
-//! own, which programs that do not know them leave alone: COLOR_0 would be multiplied into the colour.
+//! own, which programs that do not know them leave alone: `COLOR_0` would be multiplied into the colour.
 
 use super::{BuildError, Options, PackFile, Textures};
 use crate::capture::ALPHA_CUTOFF;

@@ -308,11 +308,9 @@ fn solve(mut rows: Vec<Vec<f64>>) -> Vec<Way> {
     let mut solution = vec![[0.0_f64; 6]; count];
     for row in (0..count).rev() {
         for place in 0..6 {
-            let mut value = rows[row][count + place];
-            for other in row + 1..count {
-                value -= rows[row][other] * solution[other][place];
-            }
-            solution[row][place] = value / rows[row][row];
+            let known = rows[row][row + 1..count].iter().zip(&solution[row + 1..]);
+            let known: f64 = known.map(|(factor, other)| factor * other[place]).sum();
+            solution[row][place] = (rows[row][count + place] - known) / rows[row][row];
         }
     }
     #[expect(clippy::cast_possible_truncation, reason = "ways are floats")]
@@ -382,13 +380,13 @@ mod tests {
         let mut sums = [Vec3::ZERO; 2];
         for sample in &samples {
             let (on, shares, _) = nearest(&points, &pieces[0].triangles, sample.at);
-            for band in 0..2 {
+            for (band, sum) in sums.iter_mut().enumerate() {
                 let shown: f32 = on
                     .iter()
                     .zip(shares)
                     .map(|(&v, s)| ways[v][band + 1] * s)
                     .sum();
-                sums[band] += Vec3::new(shown, sample.way[band + 1], 1.0);
+                *sum += Vec3::new(shown, sample.way[band + 1], 1.0);
                 let miss = (shown - sample.way[band + 1]).abs();
                 assert!(band > 0 || miss < 0.04, "what is straight stays so: {miss}");
             }
