@@ -295,7 +295,9 @@ impl Fit<'_> {
     }
 
     /// Mean squared distance of corners from where strips with some cuts show them, square metres.
-    fn miss(&self, cuts: &[f32]) -> f64 {
+    /// Cuts are chosen to lower it. Of many leaves, some have a say.
+    #[must_use]
+    pub fn miss(&self, cuts: &[f32]) -> f64 {
         let (mut sum, mut total) = (0.0, 0.0);
         for plane in self.planes {
             let members = plane.members.as_ref().map_or(0, Vec::len);
