@@ -16,6 +16,11 @@ const LIGHT: &str = include_str!("../../shaders/light.wgsl");
 const TREE: &str = include_str!("../../shaders/tree.wgsl");
 const GROUND: &str = include_str!("../../shaders/ground.wgsl");
 const PRESENT: &str = include_str!("../../shaders/present.wgsl");
+const CAPTURE: &str = include_str!("../../shaders/capture.wgsl");
+const CAPTURE_SEEN: &str = include_str!("../../shaders/capture_seen.wgsl");
+const CAPTURE_TEXELS: &str = include_str!("../../shaders/capture_texels.wgsl");
+const CAPTURE_LIGHT: &str = include_str!("../../shaders/capture_light.wgsl");
+const SHADOW_BAKE: &str = include_str!("../../shaders/shadow_bake.wgsl");
 
 /// Trees: colour, depth for the shadow map, and the views that show how they are made.
 pub const TREES: Source = Source {
@@ -35,8 +40,40 @@ pub const PRESENTS: Source = Source {
     files: &[FRAME, PRESENT],
 };
 
+/// Captures: which triangle each sample sees.
+pub const CAPTURES_SEEN: Source = Source {
+    name: "captures, what is seen",
+    files: &[CAPTURE, CAPTURE_SEEN],
+};
+
+/// Captures: from samples to texels.
+pub const CAPTURES_TEXELS: Source = Source {
+    name: "captures, texels",
+    files: &[CAPTURE, CAPTURE_TEXELS],
+};
+
+/// Captures: light inside crowns.
+pub const CAPTURES_LIGHT: Source = Source {
+    name: "captures, light",
+    files: &[CAPTURE_LIGHT],
+};
+
+/// Soft ground shadows.
+pub const SHADOWS: Source = Source {
+    name: "baked shadows",
+    files: &[SHADOW_BAKE],
+};
+
 /// All modules.
-pub const ALL: [Source; 3] = [TREES, GROUNDS, PRESENTS];
+pub const ALL: [Source; 7] = [
+    TREES,
+    GROUNDS,
+    PRESENTS,
+    CAPTURES_SEEN,
+    CAPTURES_TEXELS,
+    CAPTURES_LIGHT,
+    SHADOWS,
+];
 
 impl Source {
     /// The whole text.
