@@ -6,7 +6,7 @@
 struct Corner {
     @builtin(position) clip: vec4<f32>,
     @location(0) uv: vec2<f32>,
-    @location(1) @interpolate(flat, either) triangle: u32,
+    @location(1) @interpolate(flat) triangle: u32,
 }
 
 @vertex

@@ -24,7 +24,8 @@ struct Surface {
 // How much light reaches each cell of all grids.
 @group(0) @binding(6) var<storage, read> open: array<f32>;
 @group(0) @binding(7) var<storage, read> reliefs: array<Relief>;
-// Five words a texel: albedo and occlusion, normal, depth in metres with roughness and translucency, coverage.
+// Five words a texel: red and green; blue and occlusion; the normal's slopes; roughness, translucency and the
+// number of samples that see something; depth in metres.
 @group(0) @binding(8) var<storage, read_write> output: array<u32>;
 @group(0) @binding(9) var bark: texture_2d<u32>;
 @group(0) @binding(10) var foliage: texture_2d<u32>;
@@ -32,8 +33,8 @@ struct Surface {
 const WORDS: u32 = 5u;
 
 fn unit_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
-    let length = length(v);
-    return select(other, v / max(length, 1e-30), length > 1e-30);
+    let size = length(v);
+    return select(other, v / max(size, 1e-30), size > 1e-30);
 }
 
 fn unpacked(words: vec4<u32>) -> Surface {
@@ -45,7 +46,7 @@ fn unpacked(words: vec4<u32>) -> Surface {
     surface.albedo = vec3<f32>(red_green, blue_open.x);
     surface.occlusion = blue_open.y;
     surface.normal = vec3<f32>(slope, sqrt(max(1.0 - dot(slope, slope), 0.0)));
-    surface.depth = unpack2x16float(words.w).x;
+    surface.depth = unpack2x16snorm(words.w).x;
     surface.roughness = rest.z;
     surface.translucency = rest.w;
     return surface;
@@ -192,7 +193,7 @@ fn cs_texels(
     }
     let first = (shot.first + texel.y * shot.texels.x + texel.x) * WORDS;
     if count == 0u {
-        output[first + 4u] = 0u;
+        output[first + 3u] = 0u;
         return;
     }
     let share = 1.0 / f32(count);
@@ -207,6 +208,6 @@ fn cs_texels(
     output[first] = pack2x16unorm(albedo.xy);
     output[first + 1u] = pack2x16unorm(vec2<f32>(albedo.z, occlusion));
     output[first + 2u] = pack2x16snorm(normal.xy);
-    output[first + 3u] = (pack2x16float(vec2<f32>(depth, 0.0)) & 0xffffu) | (pack4x8unorm(rest) << 16u);
-    output[first + 4u] = count;
+    output[first + 3u] = pack4x8unorm(rest) | (count << 16u);
+    output[first + 4u] = bitcast<u32>(depth);
 }

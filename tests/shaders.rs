@@ -5,7 +5,10 @@
 use core::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use pleach::gpu::shader::{self, Source};
+use pleach::gpu_bake::layout;
+use pleach::mesh;
 use pleach::render::uniforms::{Frame, Model};
+use pleach::shadow;
 
 fn parsed(source: &Source) -> naga::Module {
     let text = source.text();
@@ -65,4 +68,29 @@ fn structs_lie_in_memory_as_the_shaders_read_them() {
     for source in [&shader::TREES, &shader::GROUNDS] {
         assert_eq!(layout_of(source, "Model"), model, "{}", source.name);
     }
+}
+
+#[test]
+fn structs_of_baking_lie_in_memory_as_the_shaders_read_them() {
+    let shot = members!(layout::Shot: right up toward centre half depth samples place texels first cells corner
+        cell size unused);
+    let sheet = members!(layout::Sheet: size supersample reliefs);
+    let vertex = members!(mesh::Vertex: position normal tangent uv);
+    for source in [&shader::CAPTURES_SEEN, &shader::CAPTURES_TEXELS] {
+        assert_eq!(layout_of(source, "Shot"), shot, "{}", source.name);
+        assert_eq!(layout_of(source, "Sheet"), sheet, "{}", source.name);
+        assert_eq!(layout_of(source, "Vertex"), vertex, "{}", source.name);
+    }
+    let relief = members!(layout::Relief: uv longer unused);
+    assert_eq!(layout_of(&shader::CAPTURES_TEXELS, "Relief"), relief);
+    let grid = members!(layout::Grid: size first cell unused);
+    assert_eq!(layout_of(&shader::CAPTURES_LIGHT, "Grid"), grid);
+    let job = members!(layout::Job: size row bark leaves samples first a_light mips);
+    assert_eq!(layout_of(&shader::SHADOWS, "Job"), job);
+    let projection = members!(layout::Projection: origin a_metre lean along across share number);
+    assert_eq!(layout_of(&shader::SHADOWS, "Projection"), projection);
+    let level = members!(layout::Level: width height scale first unused);
+    assert_eq!(layout_of(&shader::SHADOWS, "Level"), level);
+    let leaf = members!(shadow::Leaf: corners uv uv_area last_level key);
+    assert_eq!(layout_of(&shader::SHADOWS, "Leaf"), leaf);
 }

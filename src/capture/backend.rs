@@ -75,6 +75,21 @@ pub struct Shot {
     pub(super) thickness: f32,
 }
 
+impl Shot {
+    /// A shot of a mesh, put on a plane in the mean depth of what is seen.
+    #[must_use]
+    pub fn new(mesh: usize, view: View, texels: [u32; 2]) -> Self {
+        Self {
+            mesh,
+            view,
+            texels,
+            axis: None,
+            thick: 0.0,
+            thickness: 1.0,
+        }
+    }
+}
+
 /// One capture as drawn.
 #[derive(Clone, Debug)]
 pub struct Picture {

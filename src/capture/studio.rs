@@ -164,18 +164,12 @@ impl Studio<'_> {
     /// A view with its size for a rectangle of the atlas.
     fn shot(&self, view: View, rect: &Rect) -> Shot {
         let (width, height) = inner_size(rect);
-        Shot {
-            mesh: 0,
-            view: View {
-                width: width * self.supersample,
-                height: height * self.supersample,
-                ..view
-            },
-            texels: [width, height],
-            axis: None,
-            thick: 0.0,
-            thickness: 1.0,
-        }
+        let view = View {
+            width: width * self.supersample,
+            height: height * self.supersample,
+            ..view
+        };
+        Shot::new(0, view, [width, height])
     }
 
     /// The frame of one upright view, tight around a mesh; its size in samples is still to be set.

@@ -1,0 +1,693 @@
+//! Captures on an adapter: scenes gathered into groups, each drawn on one sheet and read back at once.
+
+use super::layout::{self, Grid, Relief};
+use super::sheet::Sheet;
+use super::upload::{self, Surfaces};
+use super::{Baker, Tally};
+use crate::capture::{BakeError, Pass, Picture, Scene, Shot};
+use crate::gpu::{Gpu, GpuError, shader};
+use crate::image::{Image, Texel};
+use crate::math::{Bounds, Vec3, float};
+use crate::mesh::{Mesh, Vertex};
+use crate::report::{Cancelled, MachineFault, Progress};
+use rayon::prelude::*;
+use wgpu::{BindingResource, Buffer, BufferUsages, TextureFormat};
+
+/// Words of a texel on its way back.
+const WORDS: u32 = 5;
+
+/// Texels along the edge of a tile, as in `shaders/capture_texels.wgsl`.
+const TILE: u32 = 8;
+
+/// Bytes of vertices beyond which another group is begun.
+const GROUP_BYTES: u64 = 64 << 20;
+
+/// Scenes that are made at a time.
+const AT_A_TIME: usize = 32;
+
+/// What is compiled once.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    bark: wgpu::RenderPipeline,
+    foliage: wgpu::RenderPipeline,
+    light: wgpu::ComputePipeline,
+    texels: wgpu::ComputePipeline,
+}
+
+impl Pipelines {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        let seen = shader::CAPTURES_SEEN.module(device);
+        let compute = |source: shader::Source, entry: &str| {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(source.name),
+                layout: None,
+                module: &source.module(device),
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        };
+        Self {
+            bark: seeing(device, &seen, "fs_bark"),
+            foliage: seeing(device, &seen, "fs_foliage"),
+            light: compute(shader::CAPTURES_LIGHT, "cs_light"),
+            texels: compute(shader::CAPTURES_TEXELS, "cs_texels"),
+        }
+    }
+}
+
+fn seeing(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    fragment: &str,
+) -> wgpu::RenderPipeline {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("vs_capture"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        // Of equal depths the first one stays, as on the processor.
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: TextureFormat::Depth32Float,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(TextureFormat::R32Uint.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// Draws all scenes of a pass.
+pub(super) fn draw(
+    baker: &Baker,
+    pass: &Pass<'_>,
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<Picture>>, BakeError> {
+    let gpu = &baker.gpu;
+    let stage = Stage {
+        baker,
+        pass,
+        surfaces: Surfaces::new(gpu, pass).map_err(MachineFault::from)?,
+    };
+    let mut exposed = Vec::new();
+    let mut group = Group::new(gpu);
+    for first in (0..pass.scenes).step_by(AT_A_TIME) {
+        let scenes = first..pass.scenes.min(first + AT_A_TIME);
+        let make = |index: usize| {
+            if progress.cancelled() {
+                return Err(Cancelled.into());
+            }
+            let ready = Ready::new((pass.scene)(index)?);
+            progress.step();
+            Ok(ready)
+        };
+        let ready: Result<Vec<Ready>, BakeError> = scenes.into_par_iter().map(make).collect();
+        for scene in ready? {
+            if let Err(scene) = group.add(scene) {
+                let full = core::mem::replace(&mut group, Group::new(gpu));
+                exposed.push(stage.expose(full).map_err(MachineFault::from)?);
+                let refused = group.add(scene).err();
+                if let Some(scene) = refused {
+                    return Err(MachineFault::from(too_large(gpu, &scene)).into());
+                }
+            }
+        }
+    }
+    exposed.push(stage.expose(group).map_err(MachineFault::from)?);
+    if progress.cancelled() {
+        return Err(Cancelled.into());
+    }
+    Ok(developed(baker, exposed, pass.supersample).map_err(MachineFault::from)?)
+}
+
+/// Why a scene fits no group.
+fn too_large(gpu: &Gpu, scene: &Ready) -> GpuError {
+    let limits = gpu.device.limits();
+    let edges = scene.scene.shots.iter();
+    let edge = edges.map(|s| s.view.width.max(s.view.height)).max();
+    let edge = edge.unwrap_or(0);
+    if edge > limits.max_texture_dimension_2d {
+        return GpuError::TooLarge {
+            what: "a capture's edge, samples,",
+            size: u64::from(edge),
+            limit: u64::from(limits.max_texture_dimension_2d),
+        };
+    }
+    GpuError::TooLarge {
+        what: "a captured sub-tree, bytes,",
+        size: scene.bytes(),
+        limit: limits.max_storage_buffer_binding_size,
+    }
+}
+
+/// A scene with what its drawing needs to know.
+struct Ready {
+    scene: Scene,
+    /// Bounds of its meshes.
+    bounds: Vec<Bounds>,
+}
+
+impl Ready {
+    fn new(scene: Scene) -> Self {
+        let bounds = scene.meshes.iter().map(Mesh::bounds).collect();
+        Self { scene, bounds }
+    }
+
+    fn vertices(&self) -> impl Iterator<Item = &[Vertex]> {
+        let meshes = self.scene.meshes.iter();
+        meshes.flat_map(|m| [&m.bark.vertices[..], &m.foliage.vertices[..]])
+    }
+
+    fn indices(&self) -> impl Iterator<Item = &[u32]> {
+        let meshes = self.scene.meshes.iter();
+        meshes.flat_map(|m| [&m.bark.indices[..], &m.foliage.indices[..]])
+    }
+
+    /// Bytes of the larger of the two buffers.
+    fn bytes(&self) -> u64 {
+        let vertices: usize = self.vertices().map(<[Vertex]>::len).sum();
+        let indices: usize = self.indices().map(<[u32]>::len).sum();
+        (vertices * size_of::<Vertex>()).max(indices * 4) as u64
+    }
+}
+
+/// Scenes that are drawn together.
+struct Group {
+    scenes: Vec<Ready>,
+    /// Where each shot lies on the sheet.
+    places: Vec<[u32; 2]>,
+    sheet: Sheet,
+    bytes: u64,
+    /// Texels of all shots.
+    texels: u64,
+    /// Cells of all grids.
+    cells: u64,
+    limit: u64,
+}
+
+impl Group {
+    fn new(gpu: &Gpu) -> Self {
+        let limits = gpu.device.limits();
+        Self {
+            scenes: Vec::new(),
+            places: Vec::new(),
+            sheet: Sheet::new(limits.max_texture_dimension_2d),
+            bytes: 0,
+            texels: 0,
+            cells: 0,
+            limit: limits
+                .max_storage_buffer_binding_size
+                .min(limits.max_buffer_size),
+        }
+    }
+
+    /// Takes a scene, or gives it back if it is too much.
+    fn add(&mut self, scene: Ready) -> Result<(), Ready> {
+        let bytes = scene.bytes();
+        let shots = &scene.scene.shots;
+        let texels: u64 = shots.iter().map(|s| area(s.texels)).sum();
+        let most = if self.scenes.is_empty() {
+            self.limit
+        } else {
+            self.limit.min(GROUP_BYTES)
+        };
+        let output = (self.texels + texels) * u64::from(WORDS) * 4;
+        let mut sheet = self.sheet;
+        let places: Option<Vec<[u32; 2]>> = shots
+            .iter()
+            .map(|s| sheet.place([s.view.width, s.view.height]))
+            .collect();
+        let Some(places) = places.filter(|_| self.bytes + bytes <= most && output <= self.limit)
+        else {
+            return Err(scene);
+        };
+        self.places.extend(places);
+        self.sheet = sheet;
+        self.bytes += bytes;
+        self.texels += texels;
+        self.cells += scene.scene.occlusion.density().len() as u64;
+        self.scenes.push(scene);
+        Ok(())
+    }
+}
+
+fn area([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+/// A group whose texels are on their way back.
+struct Exposed {
+    /// By scene.
+    shots: Vec<Vec<Shot>>,
+    texels: Buffer,
+}
+
+/// The shots of a group as the shaders read them, and what is drawn of each.
+#[derive(Default)]
+struct List {
+    shots: Vec<layout::Shot>,
+    /// Corners of each shot's bark and foliage: ranges of indices.
+    corners: Vec<[core::ops::Range<u32>; 2]>,
+    tiles: Vec<[u32; 2]>,
+    grids: Vec<Grid>,
+}
+
+impl List {
+    fn of(group: &Group) -> Self {
+        let mut list = Self::default();
+        let mut places = group.places.iter();
+        let (mut first_index, mut first_texel, mut first_cell) = (0, 0, 0);
+        for ready in &group.scenes {
+            let corners: Vec<[core::ops::Range<u32>; 2]> = ready
+                .scene
+                .meshes
+                .iter()
+                .map(|mesh| {
+                    [&mesh.bark, &mesh.foliage].map(|primitive| {
+                        let from = first_index;
+                        first_index += count(primitive.indices.len());
+                        from..first_index
+                    })
+                })
+                .collect();
+            let occlusion = &ready.scene.occlusion;
+            list.grids.push(Grid {
+                size: occlusion.size(),
+                first: first_cell,
+                cell: occlusion.cell(),
+                unused: [0; 3],
+            });
+            for (shot, &place) in ready.scene.shots.iter().zip(&mut places) {
+                let number = count(list.shots.len());
+                let [across, down] = shot.texels.map(|t| t.div_ceil(TILE));
+                let tiles = (0..down).flat_map(|y| (0..across).map(move |x| [number, x | y << 16]));
+                list.tiles.extend(tiles);
+                list.corners.push(corners[shot.mesh].clone());
+                list.shots.push(layout::Shot {
+                    place,
+                    first: first_texel,
+                    cells: first_cell,
+                    corner: occlusion.origin().to_array(),
+                    cell: occlusion.cell(),
+                    size: occlusion.size(),
+                    ..described(shot, &ready.bounds[shot.mesh])
+                });
+                first_texel += count(usize::try_from(area(shot.texels)).unwrap_or(usize::MAX));
+            }
+            first_cell += count(occlusion.density().len());
+        }
+        list
+    }
+}
+
+/// A number of things that fit 32 bits: groups are kept small.
+fn count(things: usize) -> u32 {
+    u32::try_from(things).unwrap_or(u32::MAX)
+}
+
+fn described(shot: &Shot, bounds: &Bounds) -> layout::Shot {
+    let view = &shot.view;
+    let toward = view.toward();
+    let wide = |v: Vec3| v.extend(0.0).to_array();
+    // A little more than the mesh has, so that nothing is cut away.
+    let depths = bounds.corners().map(|c| (c - view.centre).dot(toward));
+    let low = depths.into_iter().fold(f32::INFINITY, f32::min);
+    let high = depths.into_iter().fold(f32::NEG_INFINITY, f32::max);
+    let spare = (high - low) * 0.01 + 1e-5;
+    let depth = if bounds.is_empty() {
+        [0.0, 1.0]
+    } else {
+        [low - spare, 1.0 / (high - low + 2.0 * spare)]
+    };
+    layout::Shot {
+        right: wide(view.right),
+        up: wide(view.up),
+        toward: wide(toward),
+        centre: wide(view.centre),
+        half: view.half,
+        depth,
+        samples: [view.width, view.height],
+        place: [0; 2],
+        texels: shot.texels,
+        first: 0,
+        cells: 0,
+        corner: [0.0; 3],
+        cell: 1.0,
+        size: [1; 3],
+        unused: 0,
+    }
+}
+
+/// A pass with its textures.
+struct Stage<'a> {
+    baker: &'a Baker,
+    pass: &'a Pass<'a>,
+    surfaces: Surfaces,
+}
+
+/// Buffers of a group.
+struct Buffers {
+    sheet: Buffer,
+    shots: Buffer,
+    vertices: Buffer,
+    indices: Buffer,
+    tiles: Buffer,
+    grids: Buffer,
+    density: Buffer,
+    open: Buffer,
+    reliefs: Buffer,
+    output: Buffer,
+}
+
+impl Stage<'_> {
+    /// Hands over the drawing of a group.
+    fn expose(&self, group: Group) -> Result<Exposed, GpuError> {
+        let gpu = &self.baker.gpu;
+        let list = List::of(&group);
+        let buffers = self.buffers(&group, &list)?;
+        let bytes_back = group.texels.max(1) * u64::from(WORDS) * 4;
+        let texels = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("captures back"),
+            size: bytes_back,
+            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("captures"),
+            });
+        self.light(&mut encoder, &buffers, &list);
+        let (seen, calls) = self.see(&mut encoder, &buffers, &list, group.sheet.size());
+        self.texels(&mut encoder, &buffers, &list, &seen);
+        encoder.copy_buffer_to_buffer(&buffers.output, 0, &texels, 0, Some(bytes_back));
+        gpu.queue.submit([encoder.finish()]);
+        gpu.check()?;
+        self.baker.count(Tally {
+            submits: 1,
+            passes: 3,
+            calls: calls + 2,
+            bytes_up: group.bytes + self.surfaces.bytes + group.cells * 4,
+            bytes_back,
+        });
+        let scenes = group.scenes.into_iter();
+        Ok(Exposed {
+            shots: scenes.map(|ready| ready.scene.shots).collect(),
+            texels,
+        })
+    }
+
+    fn buffers(&self, group: &Group, list: &List) -> Result<Buffers, GpuError> {
+        let gpu = &self.baker.gpu;
+        let scenes = &group.scenes;
+        let vertices = || scenes.iter().flat_map(Ready::vertices);
+        let vertex_bytes: usize = vertices().map(size_of_val).sum();
+        // Indices count the vertices of the whole group.
+        let mut base = 0;
+        let mut indices = Vec::new();
+        for mesh in scenes.iter().flat_map(|ready| &ready.scene.meshes) {
+            for primitive in [&mesh.bark, &mesh.foliage] {
+                indices.extend(primitive.indices.iter().map(|i| i + base));
+                base += count(primitive.vertices.len());
+            }
+        }
+        let densities = scenes.iter().map(|r| r.scene.occlusion.density());
+        let reliefs: Vec<Relief> = self.pass.textures.reliefs.iter().map(relief).collect();
+        let [width, height] = group.sheet.size().map(float);
+        let sheet = layout::Sheet {
+            size: [width, height],
+            supersample: self.pass.supersample,
+            reliefs: count(reliefs.len()),
+        };
+        let output = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        Ok(Buffers {
+            sheet: upload::uniform(gpu, "sheet", &sheet)?,
+            shots: upload::storage(gpu, "shots", &list.shots)?,
+            vertices: upload::gathered(
+                gpu,
+                "vertices",
+                vertex_bytes.max(size_of::<Vertex>()) as u64,
+                vertices().map(bytemuck::cast_slice),
+            )?,
+            indices: upload::storage(gpu, "indices", &indices)?,
+            tiles: upload::storage(gpu, "tiles", &list.tiles)?,
+            grids: upload::storage(gpu, "grids", &list.grids)?,
+            density: upload::gathered(
+                gpu,
+                "density",
+                group.cells * 4,
+                densities.map(bytemuck::cast_slice),
+            )?,
+            open: upload::blank(gpu, "open", group.cells, BufferUsages::STORAGE),
+            reliefs: upload::storage(gpu, "reliefs", &reliefs)?,
+            output: upload::blank(gpu, "texels", group.texels * u64::from(WORDS), output),
+        })
+    }
+
+    /// Records the light that reaches the cells of all grids.
+    fn light(&self, encoder: &mut wgpu::CommandEncoder, buffers: &Buffers, list: &List) {
+        let pipeline = &self.baker.captures.light;
+        let group = self.bound(
+            &pipeline.get_bind_group_layout(0),
+            &[
+                (0, buffers.grids.as_entire_binding()),
+                (1, buffers.density.as_entire_binding()),
+                (2, buffers.open.as_entire_binding()),
+            ],
+        );
+        let cells = list.grids.iter().map(|g| g.size.iter().product::<u32>());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        let most = cells.max().unwrap_or(0).div_ceil(64);
+        pass.dispatch_workgroups(most, count(list.grids.len()), 1);
+    }
+
+    /// Records which triangle each sample sees; gives that picture, and the number of draws.
+    fn see(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffers: &Buffers,
+        list: &List,
+        size: [u32; 2],
+    ) -> (wgpu::TextureView, u64) {
+        let target = |format, usage| {
+            let texture = self
+                .baker
+                .gpu
+                .device
+                .create_texture(&wgpu::TextureDescriptor {
+                    label: Some("sheet"),
+                    size: wgpu::Extent3d {
+                        width: size[0],
+                        height: size[1],
+                        depth_or_array_layers: 1,
+                    },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+                    view_formats: &[],
+                });
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        let seen = target(TextureFormat::R32Uint, wgpu::TextureUsages::TEXTURE_BINDING);
+        let depth = target(TextureFormat::Depth32Float, wgpu::TextureUsages::empty());
+        let Pipelines { bark, foliage, .. } = &self.baker.captures;
+        let cutout = (4, BindingResource::TextureView(&self.surfaces.cutout));
+        let [bark_group, foliage_group] =
+            [(bark, None), (foliage, Some(cutout))].map(|(pipeline, cutout)| {
+                let mut bindings = meshes(buffers).to_vec();
+                bindings.extend(cutout);
+                self.bound(&pipeline.get_bind_group_layout(0), &bindings)
+            });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("captures"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &seen,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        let mut calls = 0;
+        for (which, pipeline, group) in [(0, bark, &bark_group), (1, foliage, &foliage_group)] {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            for (number, (shot, corners)) in (0..).zip(list.shots.iter().zip(&list.corners)) {
+                let corners = corners[which].clone();
+                if !corners.is_empty() {
+                    let ([x, y], [width, height]) = (shot.place, shot.samples);
+                    pass.set_scissor_rect(x, y, width, height);
+                    pass.draw(corners, number..number + 1);
+                    calls += 1;
+                }
+            }
+        }
+        drop(pass);
+        (seen, calls)
+    }
+
+    /// Records the surfaces of all samples, averaged to texels.
+    fn texels(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffers: &Buffers,
+        list: &List,
+        seen: &wgpu::TextureView,
+    ) {
+        /// Fewer than every adapter allows along one axis.
+        const ROW: u32 = 32_768;
+        let pipeline = &self.baker.captures.texels;
+        let mut bindings = meshes(buffers).to_vec();
+        bindings.extend([
+            (4, BindingResource::TextureView(seen)),
+            (5, buffers.tiles.as_entire_binding()),
+            (6, buffers.open.as_entire_binding()),
+            (7, buffers.reliefs.as_entire_binding()),
+            (8, buffers.output.as_entire_binding()),
+            (9, BindingResource::TextureView(&self.surfaces.bark)),
+            (10, BindingResource::TextureView(&self.surfaces.foliage)),
+        ]);
+        let group = self.bound(&pipeline.get_bind_group_layout(0), &bindings);
+        let tiles = count(list.tiles.len());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(tiles.min(ROW), tiles.div_ceil(ROW), 1);
+    }
+
+    fn bound(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        bindings: &[(u32, BindingResource<'_>)],
+    ) -> wgpu::BindGroup {
+        upload::bound(&self.baker.gpu, layout, bindings)
+    }
+}
+
+/// What both halves read.
+fn meshes(buffers: &Buffers) -> [(u32, BindingResource<'_>); 4] {
+    [
+        (0, buffers.sheet.as_entire_binding()),
+        (1, buffers.shots.as_entire_binding()),
+        (2, buffers.vertices.as_entire_binding()),
+        (3, buffers.indices.as_entire_binding()),
+    ]
+}
+
+fn relief(relief: &crate::mesh::card::Relief) -> Relief {
+    let uv = relief.uv;
+    Relief {
+        uv: [uv.u0, uv.v0, uv.u1, uv.v1],
+        longer: relief.longer,
+        unused: [0.0; 3],
+    }
+}
+
+/// Waits for all groups and unpacks their texels.
+fn developed(
+    baker: &Baker,
+    exposed: Vec<Exposed>,
+    supersample: u32,
+) -> Result<Vec<Vec<Picture>>, GpuError> {
+    for group in &exposed {
+        group.texels.map_async(wgpu::MapMode::Read, .., |_| ());
+    }
+    baker.gpu.finish()?;
+    let mut scenes = Vec::new();
+    for Exposed { shots, texels } in exposed {
+        let bytes = texels
+            .get_mapped_range(..)
+            .map_err(|e| GpuError::Lost(e.to_string()))?;
+        let words: &[[u32; WORDS as usize]] = bytemuck::try_cast_slice(&bytes[..])
+            .map_err(|e| GpuError::Refused(format!("texels came back out of line: {e}")))?;
+        let mut first = 0;
+        let cut = |shot: &Shot| {
+            let from = first;
+            first += usize::try_from(area(shot.texels)).unwrap_or(usize::MAX);
+            (*shot, &words[from..first])
+        };
+        let lengths: Vec<usize> = shots.iter().map(Vec::len).collect();
+        let pieces: Vec<(Shot, &[[u32; WORDS as usize]])> =
+            shots.iter().flatten().map(cut).collect();
+        let mut pictures = pieces
+            .into_par_iter()
+            .map(|(shot, words)| picture(shot, words, supersample))
+            .collect::<Vec<_>>()
+            .into_iter();
+        scenes.extend(
+            lengths
+                .into_iter()
+                .map(|n| pictures.by_ref().take(n).collect::<Vec<_>>()),
+        );
+    }
+    Ok(scenes)
+}
+
+fn picture(shot: Shot, words: &[[u32; WORDS as usize]], supersample: u32) -> Picture {
+    let share = 1.0 / float(supersample * supersample);
+    let texels = words.iter().map(|words| unpacked(*words, share));
+    let [width, height] = shot.texels;
+    Picture {
+        shot,
+        image: Image::from_texels(width, height, texels.collect()),
+    }
+}
+
+fn unpacked(
+    [red_green, blue_open, slopes, rest, depth]: [u32; WORDS as usize],
+    share: f32,
+) -> Texel {
+    let [roughness, translucency, low, high] = rest.to_le_bytes();
+    let count = u16::from_le_bytes([low, high]);
+    if count == 0 {
+        return Texel::EMPTY;
+    }
+    let halves = |word: u32| {
+        let [a, b, c, d] = word.to_le_bytes();
+        [u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d])]
+    };
+    let part = |half: u16| f32::from(half) / 65_535.0;
+    let [r, g] = halves(red_green).map(part);
+    let [b, occlusion] = halves(blue_open).map(part);
+    let [x, y] = halves(slopes).map(|half| f32::from(half.cast_signed()) / 32_767.0);
+    let byte = |byte: u8| f32::from(byte) / 255.0;
+    let normal = Vec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt());
+    Texel {
+        albedo: [r, g, b],
+        alpha: f32::from(count) * share,
+        normal: normal.normalize_or(Vec3::Z).to_array(),
+        occlusion,
+        roughness: byte(roughness),
+        translucency: byte(translucency),
+        depth: f32::from_bits(depth),
+    }
+}
