@@ -34,6 +34,9 @@ struct Sheet {
     supersample: u32,
     // Number of captures that the atlas holds.
     reliefs: u32,
+    // Width and height of the finest mip, and number of mips.
+    bark: vec4<u32>,
+    foliage: vec4<u32>,
 }
 
 // A vertex of a mesh.
@@ -74,7 +77,13 @@ fn mip_of(texels: f32, samples: f32, mips: u32) -> u32 {
     return level;
 }
 
-// The nearest texel of an image that clamps at its edges.
-fn nearest(uv: vec2<f32>, size: vec2<u32>) -> vec2<u32> {
-    return min(vec2<u32>(max(uv * vec2<f32>(size), vec2<f32>(0.0))), size - 1u);
+// Where the nearest texel of a mip lies, clamped at its edges. All mips are in one texture, from the second on in a
+// column beside the first: some drivers take one thread's level for all.
+fn nearest(uv: vec2<f32>, image: vec4<u32>, level: u32) -> vec2<u32> {
+    var corner = vec2<u32>(select(image.x, 0u, level == 0u), 0u);
+    for (var above = 1u; above < level; above++) {
+        corner.y += max(image.y >> above, 1u);
+    }
+    let size = max(image.xy >> vec2<u32>(level), vec2<u32>(1u));
+    return corner + min(vec2<u32>(max(uv * vec2<f32>(size), vec2<f32>(0.0))), size - 1u);
 }

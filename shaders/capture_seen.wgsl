@@ -32,12 +32,11 @@ fn fs_bark(in: Corner) -> @location(0) u32 {
 @fragment
 fn fs_foliage(in: Corner) -> @location(0) u32 {
     // The same over all of a triangle, since the picture is orthographic.
-    let texels = vec2<f32>(textureDimensions(cutout));
+    let texels = vec2<f32>(sheet.foliage.xy);
     let right = dpdx(in.uv) * texels;
     let down = dpdy(in.uv) * texels;
-    let level = mip_of(abs(right.x * down.y - right.y * down.x), 1.0, textureNumLevels(cutout));
-    let at = nearest(in.uv, textureDimensions(cutout, level));
-    if textureLoad(cutout, at, level).r < 0.5 {
+    let level = mip_of(abs(right.x * down.y - right.y * down.x), 1.0, sheet.foliage.z);
+    if textureLoad(cutout, nearest(in.uv, sheet.foliage, level), 0).r < 0.5 {
         discard;
     }
     return in.triangle * 2u + 2u;

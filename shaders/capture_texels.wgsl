@@ -108,16 +108,12 @@ fn surface_at(shot: Shot, id: u32, at: vec2<f32>) -> Surface {
     let patch_area = abs(edge_b.x * edge_c.y - edge_b.y * edge_c.x);
     var surface: Surface;
     if is_foliage {
-        let whole = vec2<f32>(textureDimensions(foliage));
-        let level = mip_of(patch_area * whole.x * whole.y, abs(area), textureNumLevels(foliage));
-        let size = textureDimensions(foliage, level);
-        surface = unpacked(textureLoad(foliage, nearest(uv, size), level));
+        let level = mip_of(patch_area * area_of(sheet.foliage), abs(area), sheet.foliage.z);
+        surface = unpacked(textureLoad(foliage, nearest(uv, sheet.foliage, level), 0));
         surface.depth *= longer_at(uv);
     } else {
-        let whole = vec2<f32>(textureDimensions(bark));
-        let level = mip_of(patch_area * whole.x * whole.y, abs(area), textureNumLevels(bark));
-        let size = textureDimensions(bark, level);
-        surface = unpacked(textureLoad(bark, nearest(uv - floor(uv), size), level));
+        let level = mip_of(patch_area * area_of(sheet.bark), abs(area), sheet.bark.z);
+        surface = unpacked(textureLoad(bark, nearest(uv - floor(uv), sheet.bark, level), 0));
         surface.depth = 0.0;
         surface.translucency = 0.0;
     }
@@ -125,6 +121,11 @@ fn surface_at(shot: Shot, id: u32, at: vec2<f32>) -> Surface {
     let middle = points[0] * b.x + points[1] * b.y + points[2] * b.z - shot.centre.xyz;
     surface.depth += dot(middle, shot.toward.xyz);
     return surface;
+}
+
+// Texels of the finest mip.
+fn area_of(image: vec4<u32>) -> f32 {
+    return f32(image.x) * f32(image.y);
 }
 
 // Length of the longer side of the capture at a place in the atlas; 0 where there is none.

@@ -154,7 +154,11 @@ impl Tally {
         let means = self.means();
         let all = means.iter().sum::<f64>() / 10.0;
         let alpha = self.alpha / self.either.max(1.0);
-        let iou = self.inter / self.union.max(1.0);
+        let iou = if self.union > 0.0 {
+            self.inter / self.union
+        } else {
+            1.0
+        };
         let shade = self.shade / self.shaded.max(1.0);
         let named: Vec<String> = NAMES
             .iter()

@@ -74,7 +74,7 @@ fn structs_lie_in_memory_as_the_shaders_read_them() {
 fn structs_of_baking_lie_in_memory_as_the_shaders_read_them() {
     let shot = members!(layout::Shot: right up toward centre half depth samples place texels first cells corner
         cell size unused);
-    let sheet = members!(layout::Sheet: size supersample reliefs);
+    let sheet = members!(layout::Sheet: size supersample reliefs bark foliage);
     let vertex = members!(mesh::Vertex: position normal tangent uv);
     for source in [&shader::CAPTURES_SEEN, &shader::CAPTURES_TEXELS] {
         assert_eq!(layout_of(source, "Shot"), shot, "{}", source.name);

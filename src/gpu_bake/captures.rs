@@ -103,6 +103,10 @@ pub(super) fn draw(
         pass,
         surfaces: Surfaces::new(gpu, pass).map_err(MachineFault::from)?,
     };
+    baker.count(Tally {
+        bytes_up: stage.surfaces.bytes(),
+        ..Tally::default()
+    });
     let mut exposed = Vec::new();
     let mut group = Group::new(gpu);
     for first in (0..pass.scenes).step_by(AT_A_TIME) {
@@ -119,15 +123,16 @@ pub(super) fn draw(
         for scene in ready? {
             if let Err(scene) = group.add(scene) {
                 let full = core::mem::replace(&mut group, Group::new(gpu));
-                exposed.push(stage.expose(full).map_err(MachineFault::from)?);
-                let refused = group.add(scene).err();
-                if let Some(scene) = refused {
+                if let Err(scene) = group.add(scene) {
                     return Err(MachineFault::from(too_large(gpu, &scene)).into());
                 }
+                exposed.push(stage.expose(full).map_err(MachineFault::from)?);
             }
         }
     }
-    exposed.push(stage.expose(group).map_err(MachineFault::from)?);
+    if !group.scenes.is_empty() {
+        exposed.push(stage.expose(group).map_err(MachineFault::from)?);
+    }
     if progress.cancelled() {
         return Err(Cancelled.into());
     }
@@ -401,7 +406,7 @@ impl Stage<'_> {
             submits: 1,
             passes: 3,
             calls: calls + 2,
-            bytes_up: group.bytes + self.surfaces.bytes + group.cells * 4,
+            bytes_up: group.bytes + group.cells * 4,
             bytes_back,
         });
         let scenes = group.scenes.into_iter();
@@ -432,6 +437,8 @@ impl Stage<'_> {
             size: [width, height],
             supersample: self.pass.supersample,
             reliefs: count(reliefs.len()),
+            bark: self.surfaces.bark.about,
+            foliage: self.surfaces.foliage.about,
         };
         let output = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         Ok(Buffers {
@@ -509,7 +516,7 @@ impl Stage<'_> {
         let seen = target(TextureFormat::R32Uint, wgpu::TextureUsages::TEXTURE_BINDING);
         let depth = target(TextureFormat::Depth32Float, wgpu::TextureUsages::empty());
         let Pipelines { bark, foliage, .. } = &self.baker.captures;
-        let cutout = (4, BindingResource::TextureView(&self.surfaces.cutout));
+        let cutout = (4, BindingResource::TextureView(&self.surfaces.cutout.view));
         let [bark_group, foliage_group] =
             [(bark, None), (foliage, Some(cutout))].map(|(pipeline, cutout)| {
                 let mut bindings = meshes(buffers).to_vec();
@@ -573,8 +580,11 @@ impl Stage<'_> {
             (6, buffers.open.as_entire_binding()),
             (7, buffers.reliefs.as_entire_binding()),
             (8, buffers.output.as_entire_binding()),
-            (9, BindingResource::TextureView(&self.surfaces.bark)),
-            (10, BindingResource::TextureView(&self.surfaces.foliage)),
+            (9, BindingResource::TextureView(&self.surfaces.bark.view)),
+            (
+                10,
+                BindingResource::TextureView(&self.surfaces.foliage.view),
+            ),
         ]);
         let group = self.bound(&pipeline.get_bind_group_layout(0), &bindings);
         let tiles = count(list.tiles.len());

@@ -32,6 +32,8 @@ pub struct Sheet {
     pub size: [f32; 2],
     pub supersample: u32,
     pub reliefs: u32,
+    pub bark: [u32; 4],
+    pub foliage: [u32; 4],
 }
 
 /// `Relief` of `shaders/capture_texels.wgsl`.

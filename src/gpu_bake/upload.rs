@@ -78,11 +78,18 @@ fn filled<'a>(
 /// The textures of a pass on the adapter.
 pub(super) struct Surfaces {
     /// Bark, four words a texel as [`packed`] has them.
-    pub(super) bark: wgpu::TextureView,
+    pub(super) bark: Mips,
     /// The atlas in the same form.
-    pub(super) foliage: wgpu::TextureView,
+    pub(super) foliage: Mips,
     /// Where the atlas has foliage.
-    pub(super) cutout: wgpu::TextureView,
+    pub(super) cutout: Mips,
+}
+
+/// All mips of an image in one texture: from the second on in a column beside the first.
+pub(super) struct Mips {
+    pub(super) view: wgpu::TextureView,
+    /// Width and height of the finest mip, and number of mips, as the shaders read it.
+    pub(super) about: [u32; 4],
     /// Bytes sent.
     pub(super) bytes: u64,
 }
@@ -90,8 +97,6 @@ pub(super) struct Surfaces {
 impl Surfaces {
     pub(super) fn new(gpu: &Gpu, pass: &Pass<'_>) -> Result<Self, GpuError> {
         let (bark, foliage) = (pass.textures.bark, pass.textures.foliage);
-        gpu.check_edge("a bark texture", bark[0].width().max(bark[0].height()))?;
-        gpu.check_edge("a foliage atlas", foliage[0].width())?;
         let whole = [Rect {
             x: 0,
             y: 0,
@@ -99,92 +104,122 @@ impl Surfaces {
             height: bark[0].height(),
         }];
         let parts: Vec<Rect> = pass.parts.iter().map(Rect::outer).collect();
-        let (bark, bark_bytes) =
-            mipped(gpu, "bark", bark, &whole, TextureFormat::Rgba32Uint, packed);
-        let (cutout, cutout_bytes) =
-            mipped(gpu, "cutout", foliage, &parts, TextureFormat::R8Unorm, cut);
-        let (foliage, foliage_bytes) = mipped(
-            gpu,
-            "foliage",
-            foliage,
-            &parts,
-            TextureFormat::Rgba32Uint,
-            packed,
-        );
+        let words = TextureFormat::Rgba32Uint;
         Ok(Self {
-            bark,
-            foliage,
-            cutout,
-            bytes: bark_bytes + cutout_bytes + foliage_bytes,
+            bark: Mips::new(gpu, ("bark", words), bark, &whole, packed)?,
+            foliage: Mips::new(gpu, ("foliage", words), foliage, &parts, packed)?,
+            cutout: Mips::new(
+                gpu,
+                ("cutout", TextureFormat::R8Unorm),
+                foliage,
+                &parts,
+                cut,
+            )?,
+        })
+    }
+
+    /// Bytes sent.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bark.bytes + self.foliage.bytes + self.cutout.bytes
+    }
+}
+
+impl Mips {
+    /// Fills some parts of the finest mip, and what lies below them in the others. The parts begin and end where
+    /// texels of all mips do, unless they are the whole.
+    fn new<T: Pod + Send>(
+        gpu: &Gpu,
+        (label, format): (&'static str, TextureFormat),
+        mips: &[Image<Texel>],
+        parts: &[Rect],
+        texel: fn(&Texel) -> T,
+    ) -> Result<Self, GpuError> {
+        let (width, height) = (mips[0].width(), mips[0].height());
+        gpu.check_edge(label, width + (width / 2).max(1))?;
+        gpu.check_edge(label, height)?;
+        // The processor's chains may go on at a single texel.
+        let mips = &mips[..mips.len().min(width.min(height).ilog2() as usize + 1)];
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: width + (width / 2).max(1),
+                height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let mut bytes = 0;
+        let mut corner = [0, 0];
+        for (level, mip) in (0_u32..).zip(mips) {
+            for part in parts {
+                let (x, y) = (part.x >> level, part.y >> level);
+                let edge = |length: u32| (length >> level).max(1);
+                let part = Rect {
+                    x,
+                    y,
+                    width: edge(part.width).min(mip.width() - x),
+                    height: edge(part.height).min(mip.height() - y),
+                };
+                bytes += write(gpu, &texture, corner, mip, &part, texel);
+            }
+            corner = if level == 0 {
+                [width, 0]
+            } else {
+                [width, corner[1] + mip.height()]
+            };
+        }
+        Ok(Self {
+            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            about: [width, height, u32::try_from(mips.len()).unwrap_or(1), 0],
+            bytes,
         })
     }
 }
 
-/// A texture with mips, of which some parts of the finest one are filled. The parts begin and end where texels
-/// of all mips do, unless they are the whole.
-fn mipped<T: Pod + Send>(
+/// Sends a part of a mip whose own corner is at `corner` of the texture; gives the number of bytes.
+fn write<T: Pod + Send>(
     gpu: &Gpu,
-    label: &str,
-    mips: &[Image<Texel>],
-    parts: &[Rect],
-    format: TextureFormat,
+    texture: &wgpu::Texture,
+    corner: [u32; 2],
+    mip: &Image<Texel>,
+    part: &Rect,
     texel: fn(&Texel) -> T,
-) -> (wgpu::TextureView, u64) {
-    let size = wgpu::Extent3d {
-        width: mips[0].width(),
-        height: mips[0].height(),
-        depth_or_array_layers: 1,
-    };
-    // The processor's chains may go on at a single texel.
-    let mips = &mips[..mips
-        .len()
-        .min(size.width.max(size.height).ilog2() as usize + 1)];
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size,
-        mip_level_count: u32::try_from(mips.len()).unwrap_or(1),
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let mut bytes = 0;
-    for (level, mip) in (0_u32..).zip(mips) {
-        for part in parts {
-            let edge = |length: u32| (length >> level).max(1);
-            let (x, y) = (part.x >> level, part.y >> level);
-            let width = edge(part.width).min(mip.width() - x);
-            let height = edge(part.height).min(mip.height() - y);
-            let texels: Vec<T> = (y..y + height)
-                .into_par_iter()
-                .flat_map_iter(|y| (x..x + width).map(move |x| texel(mip.at(x, y))))
-                .collect();
-            let texels: &[u8] = bytemuck::cast_slice(&texels);
-            bytes += texels.len() as u64;
-            gpu.queue.write_texture(
-                wgpu::TexelCopyTextureInfo {
-                    texture: &texture,
-                    mip_level: level,
-                    origin: wgpu::Origin3d { x, y, z: 0 },
-                    aspect: wgpu::TextureAspect::All,
-                },
-                texels,
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: u32::try_from(texels.len()).ok().map(|b| b / height),
-                    rows_per_image: None,
-                },
-                wgpu::Extent3d {
-                    width,
-                    height,
-                    depth_or_array_layers: 1,
-                },
-            );
-        }
-    }
-    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    (view, bytes)
+) -> u64 {
+    let columns = part.x..part.x + part.width;
+    let texels: Vec<T> = (part.y..part.y + part.height)
+        .into_par_iter()
+        .flat_map_iter(|y| columns.clone().map(move |x| texel(mip.at(x, y))))
+        .collect();
+    let texels: &[u8] = bytemuck::cast_slice(&texels);
+    gpu.queue.write_texture(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: 0,
+            origin: wgpu::Origin3d {
+                x: corner[0] + part.x,
+                y: corner[1] + part.y,
+                z: 0,
+            },
+            aspect: wgpu::TextureAspect::All,
+        },
+        texels,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: u32::try_from(part.width as usize * size_of::<T>()).ok(),
+            rows_per_image: None,
+        },
+        wgpu::Extent3d {
+            width: part.width,
+            height: part.height,
+            depth_or_array_layers: 1,
+        },
+    );
+    texels.len() as u64
 }
 
 fn cut(texel: &Texel) -> u8 {
