@@ -3,7 +3,8 @@
 
 mod common;
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use common::adapter::{self, Outcome};
+use libtest_mimic::Failed;
 use pleach::asset::TreeAsset;
 use pleach::gpu::{Gpu, GpuError};
 use pleach::image::{Image, png};
@@ -18,22 +19,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
-type Outcome = Result<(), Failed>;
-
 fn main() -> ExitCode {
-    let arguments = Arguments::from_args();
-    let adapter = Gpu::headless();
-    let required = std::env::var_os("PLEACH_REQUIRE_GPU").is_some();
-    let reason = match &adapter {
-        Ok(gpu) => {
-            eprintln!("drawing with {}", gpu.describe());
-            None
-        }
-        Err(error) => {
-            eprintln!("{error}");
-            Some(error.to_string())
-        }
-    };
     let tests: [(&str, fn() -> Outcome); 13] = [
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
         ("pictures_look_as_they_did", pictures_look_as_they_did),
@@ -61,23 +47,7 @@ fn main() -> ExitCode {
         ),
         ("a_lost_device_is_told_and_not_a_panic", lost),
     ];
-    let trials = tests
-        .into_iter()
-        .map(|(name, test)| {
-            let trial = match (&reason, required) {
-                (Some(reason), true) => {
-                    let reason = reason.clone();
-                    Trial::test(name, move || Err(reason.into()))
-                }
-                _ => Trial::test(name, test),
-            };
-            let ignored = reason.is_some() && !required;
-            trial
-                .with_kind(if ignored { "no graphics adapter" } else { "" })
-                .with_ignored_flag(ignored)
-        })
-        .collect();
-    libtest_mimic::run(&arguments, trials).exit_code()
+    adapter::run(&tests)
 }
 
 fn root() -> PathBuf {

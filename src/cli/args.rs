@@ -27,6 +27,8 @@ pub(crate) enum Command {
     Evaluate(Evaluate),
     /// Draw a script's tree or a pack: a still, all LODs, a turntable, a contact sheet. Needs no window.
     Render(Render),
+    /// Show a script's tree or a pack in a window; a script is grown again whenever it is saved.
+    Preview(Preview),
 }
 
 #[derive(Debug, ClapArgs)]
@@ -255,6 +257,27 @@ pub(crate) struct Render {
     /// Replace a picture that is there.
     #[arg(long)]
     pub(crate) force: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Preview {
+    /// Species script or pack folder.
+    #[arg(value_name = "SPECIES|PACK")]
+    pub(crate) path: PathBuf,
+    /// Seed, for a script; its own without.
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Triangle budgets, for a script; without, full detail and the script's own.
+    #[arg(long, value_delimiter = ',')]
+    pub(crate) budgets: Option<Vec<String>>,
+    #[command(flatten)]
+    pub(crate) lods: Lods,
+    /// Edge of the foliage atlas, texels, for a script: a power of two.
+    #[arg(long, default_value_t = 1024)]
+    pub(crate) texture_size: u32,
+    /// Size of the window, such as 1280x800.
+    #[arg(long, default_value = "1280x800", value_parser = size)]
+    pub(crate) size: [u32; 2],
 }
 
 /// What `pleach render` draws.

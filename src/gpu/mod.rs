@@ -11,7 +11,7 @@ pub use picture::{Readback, read_texture};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Features that are used where the adapter has them, and done without elsewhere.
-const WELCOME: wgpu::Features = wgpu::Features::INDIRECT_FIRST_INSTANCE
+pub(crate) const WELCOME: wgpu::Features = wgpu::Features::INDIRECT_FIRST_INSTANCE
     .union(wgpu::Features::TIMESTAMP_QUERY)
     .union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
 

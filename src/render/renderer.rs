@@ -126,6 +126,21 @@ impl Renderer {
         Ok(self.models.len() - 1)
     }
 
+    /// Puts a tree in the place of another one, which stays if the adapter cannot take the new one; adds it if
+    /// there is none at that index.
+    ///
+    /// # Errors
+    /// If the adapter cannot take it.
+    pub fn replace(&mut self, index: usize, source: &Drawable<'_>) -> Result<(), GpuError> {
+        let model = Model::new(&self.gpu, &self.pipelines.layouts, source)?;
+        self.gpu.check()?;
+        match self.models.get_mut(index) {
+            Some(old) => *old = model,
+            None => self.models.push(model),
+        }
+        Ok(())
+    }
+
     /// Forgets all trees.
     pub fn clear(&mut self) {
         self.models.clear();
