@@ -20,8 +20,12 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 
 fn main() -> ExitCode {
-    let tests: [(&str, fn() -> Outcome); 13] = [
+    let tests: [(&str, fn() -> Outcome); 14] = [
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
+        (
+            "a_scene_after_others_is_drawn_as_if_it_came_first",
+            after_others,
+        ),
         ("pictures_look_as_they_did", pictures_look_as_they_did),
         ("the_tree_covers_what_the_rasteriser_says", covers_the_same),
         (
@@ -112,6 +116,44 @@ fn same_picture_twice() -> Outcome {
         return Ok(());
     }
     Err("two pictures of one scene differ".into())
+}
+
+fn after_others() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    renderer.picture(&scene, SIZE)?;
+    let mut steps: [(&str, &mut dyn FnMut(&mut Scene)); 5] = [
+        ("the camera", &mut |s| s.camera.eye.x += 1.0),
+        ("the sun", &mut |s| {
+            s.setting.sun = Vec3::new(-0.5, 0.4, 0.2)
+        }),
+        ("the LOD", &mut |s| s.groups[0].lod = 1),
+        ("a tree", &mut |s| {
+            let tree = Instance::at(Vec3::new(1.5, 0.0, -1.0), 1.0, 0.7);
+            s.groups[0].trees.push(tree);
+        }),
+        ("the shadow map", &mut |s| s.setting.shadow_map = false),
+    ];
+    for (what, change) in &mut steps {
+        change(&mut scene);
+        let mut fresh = self::renderer(palm())?;
+        if renderer.picture(&scene, SIZE)? != fresh.picture(&scene, SIZE)? {
+            return Err(format!("{what} is not drawn as it is now").into());
+        }
+    }
+    // Another tree in the place of this one.
+    scene.setting.shadow_map = true;
+    scene.groups[0].lod = 0;
+    renderer.picture(&scene, SIZE)?;
+    let mut other = palm().drawable();
+    other.lods.remove(0);
+    renderer.replace(0, &other)?;
+    let mut fresh = Renderer::new(&Gpu::headless()?, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+    fresh.add(&other)?;
+    if renderer.picture(&scene, SIZE)? != fresh.picture(&scene, SIZE)? {
+        return Err("a tree in the place of another is not drawn as it is".into());
+    }
+    Ok(())
 }
 
 fn pictures_look_as_they_did() -> Outcome {

@@ -40,6 +40,8 @@ pub struct Renderer {
     targets: Option<Targets>,
     frame: wgpu::Buffer,
     shadow_map: wgpu::TextureView,
+    /// What the shadow map shows, so that a camera that moves alone does not draw it again.
+    cast: Option<Cast>,
     frame_group: wgpu::BindGroup,
     cast_group: wgpu::BindGroup,
     sampler: wgpu::Sampler,
@@ -108,6 +110,7 @@ impl Renderer {
             targets: None,
             frame,
             shadow_map,
+            cast: None,
             frame_group,
             cast_group,
             sampler,
@@ -122,6 +125,7 @@ impl Renderer {
     pub fn add(&mut self, source: &Drawable<'_>) -> Result<usize, GpuError> {
         let model = Model::new(&self.gpu, &self.pipelines.layouts, source)?;
         self.gpu.check()?;
+        self.cast = None;
         self.models.push(model);
         Ok(self.models.len() - 1)
     }
@@ -134,6 +138,7 @@ impl Renderer {
     pub fn replace(&mut self, index: usize, source: &Drawable<'_>) -> Result<(), GpuError> {
         let model = Model::new(&self.gpu, &self.pipelines.layouts, source)?;
         self.gpu.check()?;
+        self.cast = None;
         match self.models.get_mut(index) {
             Some(old) => *old = model,
             None => self.models.push(model),
@@ -143,6 +148,7 @@ impl Renderer {
 
     /// Forgets all trees.
     pub fn clear(&mut self) {
+        self.cast = None;
         self.models.clear();
     }
 
@@ -181,7 +187,8 @@ impl Renderer {
         readback.wait(&self.gpu)
     }
 
-    /// The commands that draw a scene into a picture of this size; to be submitted. Nothing is drawn into a
+    /// The commands that draw a scene into a picture of this size; to be submitted, each and in order: a shadow
+    /// map that is as it was is not drawn again. Nothing is drawn into a
     /// picture without pixels, as a window without height has one.
     ///
     /// # Errors
@@ -210,13 +217,19 @@ impl Renderer {
         self.gpu
             .queue
             .write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
+        let cast = Cast::of(scene, &uniforms);
+        let stale = scene.setting.shadow_map && self.cast.as_ref() != Some(&cast);
         let drawn = self.drawn(scene);
-        if scene.setting.shadow_map {
+        if stale {
             self.cast(&mut encoder, &drawn);
         }
         self.backdrop(&mut encoder, &targets, scene, &drawn);
         self.trees(&mut encoder, &targets, scene.view, &drawn);
         self.present(&mut encoder, &targets, output);
+        drop(drawn);
+        if stale {
+            self.cast = Some(cast);
+        }
         self.targets = Some(targets);
         Ok(encoder)
     }
@@ -475,6 +488,25 @@ impl Renderer {
         pass.set_bind_group(0, &self.cast_group, &[]);
         pass.set_bind_group(1, &pictures, &[]);
         pass.draw(0..3, 0..1);
+    }
+}
+
+/// What decides a shadow map.
+#[derive(Clone, Debug, PartialEq)]
+struct Cast {
+    light: [[f32; 4]; 4],
+    groups: Vec<Group>,
+    /// Wind and time, where a wind blows.
+    blown: Option<([f32; 4], f32)>,
+}
+
+impl Cast {
+    fn of(scene: &Scene, frame: &Frame) -> Self {
+        Self {
+            light: frame.light_projection,
+            groups: scene.groups.clone(),
+            blown: (scene.wind.speed != 0.0).then_some((frame.wind, scene.time)),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::canvas::Canvas;
 use super::keys;
+use super::level::Choice;
 use super::pace::{Frames, Pace, Quality, REST};
 use super::rig::{Rig, Stance, Steps};
 use super::settings::{Arrangement, Settings};
@@ -10,10 +11,11 @@ use super::stage::{Cast, Shown, Stage};
 use super::subject::Subject;
 use crate::gpu::GpuError;
 use crate::image::Image;
-use crate::math::{Vec3, float, round_to_u32};
+use crate::math::{TAU, Vec3, float, round_to_u32};
 use crate::render::{Camera, Scene};
 use eframe::egui::{self, Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
+use std::time::Duration;
 
 /// Radians a second of the turntable.
 const TURNTABLE: f32 = 0.45;
@@ -44,19 +46,15 @@ pub struct Viewport {
     costly: Option<Costly>,
     /// True until the tree that has come first is framed.
     unframed: bool,
+    /// What decides the picture, as it was in the frame before.
+    last: Option<(Rig, Settings, [u32; 2])>,
     /// When something moved last, seconds of the window's clock; none if it never did.
     moved: Option<f64>,
     /// When the frame before was begun, if something moved then.
     before: Option<f64>,
 }
 
-type Costly = (
-    Arrangement,
-    crate::render::ViewMode,
-    crate::render::Filter,
-    super::level::Choice,
-    [u32; 2],
-);
+type Costly = (Arrangement, Choice);
 
 impl Viewport {
     /// A view without a tree.
@@ -75,6 +73,7 @@ impl Viewport {
             size: [0, 0],
             costly: None,
             unframed: true,
+            last: None,
             moved: None,
             before: None,
         })
@@ -174,8 +173,8 @@ impl Viewport {
         if response.double_clicked() {
             self.frame(subject, settings);
         }
-        let still = !self.follow(ui, &response, settings);
-        let drawn = self.draw(ui, settings, subject, still);
+        self.follow(ui, &response, settings);
+        let drawn = self.draw(ui, settings, subject);
         if let Some(id) = self.canvas.picture() {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter().image(id, rect, whole, Color32::WHITE);
@@ -185,11 +184,9 @@ impl Viewport {
         Ok(response)
     }
 
-    /// Mouse, held keys and clocks; true if anything moved.
-    fn follow(&mut self, ui: &Ui, response: &Response, settings: &mut Settings) -> bool {
-        let before = (self.rig, settings.sun);
-        let height = response.rect.height().max(1.0);
-        let drag = response.drag_delta() / height;
+    /// Mouse, held keys and clocks.
+    fn follow(&mut self, ui: &Ui, response: &Response, settings: &mut Settings) {
+        let drag = response.drag_delta() / response.rect.height().max(1.0);
         let ctrl = ui.input(|i| i.modifiers.command);
         if response.dragged_by(PointerButton::Primary) && ctrl {
             let forward = self.rig.camera().forward();
@@ -209,59 +206,57 @@ impl Viewport {
         let seconds = ui.input(|i| i.stable_dt).min(LONGEST);
         let steps = steps(ui);
         self.rig.walk(steps, seconds);
-        if settings.turntable && self.rig.stance == Stance::Orbit {
-            self.rig.orbit.azimuth = libm::fmodf(
-                self.rig.orbit.azimuth + TURNTABLE * seconds,
-                crate::math::TAU,
-            );
+        let turns = settings.turntable && self.rig.stance == Stance::Orbit;
+        if turns {
+            let azimuth = &mut self.rig.orbit.azimuth;
+            *azimuth = libm::fmodf(*azimuth + TURNTABLE * seconds, TAU);
         }
-        let blown = settings.breeze.moves();
-        if blown {
+        let blows = settings.breeze.moves();
+        if blows {
             settings.breeze.time += seconds;
         }
-        before != (self.rig, settings.sun) || steps.any() || blown
+        if steps.any() || turns || blows {
+            ui.ctx().request_repaint();
+        }
     }
 
-    fn draw(
-        &mut self,
-        ui: &Ui,
-        settings: &Settings,
-        subject: &Subject,
-        still: bool,
-    ) -> Result<(), GpuError> {
+    /// True if the picture is another than in the frame before.
+    fn moves(&mut self, settings: &Settings) -> bool {
+        let settings = Settings {
+            help: false,
+            panel: false,
+            ..*settings
+        };
+        let now = (self.rig, settings, self.size);
+        self.last.replace(now) != Some(now)
+    }
+
+    /// Draws what is to be seen, as fine as there is time for, unless it is there already.
+    fn draw(&mut self, ui: &Ui, settings: &Settings, subject: &Subject) -> Result<(), GpuError> {
         let now = ui.input(|i| i.time);
-        if !still {
+        let moves = self.moves(settings);
+        if moves {
             self.moved = Some(now);
         }
         let resting = self.moved.map_or(f64::MAX, |moved| now - moved);
-        let moving = resting < REST;
-        if !still {
-            ui.ctx().request_repaint();
-        } else if moving {
-            let left = std::time::Duration::from_secs_f64(REST - resting);
+        let hurried = resting < REST && settings.adapt;
+        if hurried {
+            let left = Duration::from_secs_f64(REST - resting);
             ui.ctx().request_repaint_after(left);
         }
-        let costly = (
-            settings.arrangement,
-            settings.view,
-            settings.filter,
-            settings.choice,
-            self.size,
-        );
+        let costly = (settings.arrangement, settings.choice);
         if self.costly.replace(costly) != Some(costly) {
             self.pace.forget();
         }
-        let by_hand = settings.choice != super::level::Choice::ByDistance;
-        let most = match settings.arrangement {
-            Arrangement::Strip => 0,
-            _ if by_hand => 0,
+        let most = match costly {
+            (Arrangement::Strip, _) | (_, Choice::Fixed(_)) => 0,
             _ => subject.lods.len().saturating_sub(1),
         };
-        let wanted = self.pace.quality(moving && settings.adapt, most);
-        // While a key is up for a moment, what was drawn in a hurry stays until it is drawn in full.
-        if still && moving && self.canvas.picture().is_some() && wanted == self.quality {
-            return Ok(());
-        }
+        let wanted = if hurried && !moves {
+            self.quality
+        } else {
+            self.pace.quality(hurried, most)
+        };
         let (scene, shown) =
             self.stage
                 .scene(&cast(subject), settings, self.rig.camera(), wanted.coarser);
@@ -269,11 +264,11 @@ impl Viewport {
         if let Some(seconds) = self.canvas.draw(&scene, size)? {
             self.pace.observe(wanted, seconds);
             (self.shown, self.quality) = (shown, wanted);
-            let whole = self.before.filter(|_| !still).map(|before| now - before);
+            let whole = self.before.filter(|_| moves).map(|before| now - before);
             #[expect(clippy::cast_possible_truncation, reason = "a frame's time")]
             self.frames.add(whole.map_or(seconds, |s| s as f32));
         }
-        self.before = (!still).then_some(now);
+        self.before = moves.then_some(now);
         Ok(())
     }
 
