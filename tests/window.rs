@@ -8,8 +8,10 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{
     Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, pos2, vec2,
 };
+use eframe::egui_wgpu::RendererOptions;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
 use libtest_mimic::Failed;
 use pleach::image::{Image, png};
 use pleach::measure::flip;
@@ -95,11 +97,13 @@ fn palm() -> &'static Path {
 }
 
 fn window_with(start: Start, size: [f32; 2]) -> Window {
+    let state = create_render_state(viewer::setup(), RendererOptions::PREDICTABLE);
+    let app = App::new(&state, start, || ()).expect("the window begins");
     Harness::builder()
         .with_size(vec2(size[0], size[1]))
         .with_max_steps(64)
-        .wgpu_setup(viewer::setup())
-        .build_eframe(|cc| App::new(cc, start).expect("the window begins"))
+        .renderer(WgpuTestRenderer::from_render_state(state))
+        .build_ui_state(|ui, app: &mut App| app.ui(ui), app)
 }
 
 /// A window on the palm, once the palm is there.
@@ -548,9 +552,13 @@ fn screenshot() -> Outcome {
         picture.texels().iter().all(|p| p[3] == 255),
         "it is see-through",
     )?;
-    let before = seen(&mut window)?;
-    let shown = before.part(0, 0, size[0], size[1] - 60);
-    let error = mean_flip(&shown, &picture.part(0, 0, size[0], size[1] - 60));
+    let rect = window.get_by_role(Role::Canvas).rect();
+    let [x, y] = [rect.left(), rect.top()].map(|edge| edge.round() as u32);
+    // Without what is written over the view at its upper and lower edge.
+    let part = [0, 60, size[0], size[1] - 120];
+    let [u, v, width, height] = part;
+    let shown = seen(&mut window)?.part(x + u, y + v, width, height);
+    let error = mean_flip(&shown, &picture.part(u, v, width, height));
     ensure(
         error < 0.02,
         format!("the screenshot is not what is shown: mean FLIP {error}"),

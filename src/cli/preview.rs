@@ -18,6 +18,7 @@ pub(crate) fn run(args: &Preview) -> Result<End, Failure> {
     use crate::viewer;
     let options = viewer::Options {
         size: args.size.map(float),
+        stop: super::interrupted,
         ..viewer::Options::default()
     };
     viewer::run(&source(args)?, &options).map_err(|error| {
@@ -27,6 +28,9 @@ pub(crate) fn run(args: &Preview) -> Result<End, Failure> {
             Failure::input(error)
         }
     })?;
+    if super::interrupted() {
+        return Ok(End::Interrupted);
+    }
     Ok(End::Done)
 }
 

@@ -12,6 +12,7 @@ use super::viewport::{Viewport, write};
 use super::watch::{Watch, Watched};
 use crate::gpu::GpuError;
 use eframe::egui::{self, Align2, Panel, Ui, vec2};
+use eframe::egui_wgpu::RenderState;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -43,6 +44,8 @@ pub struct Start {
     pub source: Source,
     /// Folder into which screenshots are written.
     pub folder: PathBuf,
+    /// True once the program is to end: the window closes.
+    pub stop: fn() -> bool,
     /// What a window that was lost has left.
     pub kept: Option<Kept>,
     /// Where this one leaves it.
@@ -56,6 +59,7 @@ impl Start {
         Self {
             source,
             folder,
+            stop: || false,
             kept: None,
             legacy: Legacy::default(),
         }
@@ -68,9 +72,6 @@ pub enum StartError {
     /// The graphics adapter is of no use.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The window draws by other means.
-    #[error("the window has no graphics device")]
-    NoDevice,
     /// The system gives no thread.
     #[error("no thread: {0}")]
     Thread(#[from] std::io::Error),
@@ -90,6 +91,7 @@ pub struct App {
     watched: Watched,
     source: Source,
     folder: PathBuf,
+    stop: fn() -> bool,
     legacy: Legacy,
     /// What is said for a while, and until when.
     message: Option<(String, f64)>,
@@ -100,20 +102,20 @@ pub struct App {
 }
 
 impl App {
-    /// A window's state; its tree begins to grow.
+    /// A window's state; its tree begins to grow. `wake` is called from other threads when there is something
+    /// to be shown.
     ///
     /// # Errors
     /// [`StartError`].
-    pub fn new(cc: &eframe::CreationContext<'_>, start: Start) -> Result<Self, StartError> {
-        let state = cc.wgpu_render_state.as_ref().ok_or(StartError::NoDevice)?;
+    pub fn new(
+        state: &RenderState,
+        start: Start,
+        wake: impl Fn() + Clone + Send + Sync + 'static,
+    ) -> Result<Self, StartError> {
         let mut view = Viewport::new(state)?;
         let watched = Watched::default();
-        let wake = || {
-            let ctx = cc.egui_ctx.clone();
-            move || ctx.request_repaint()
-        };
-        let loader = Loader::start("grow", wake())?;
-        let watch = Watch::start(watched.clone(), wake())?;
+        let loader = Loader::start("grow", wake.clone())?;
+        let watch = Watch::start(watched.clone(), start.stop, wake)?;
         let mut settings = Settings::default();
         let mut message = None;
         if let Some(kept) = start.kept {
@@ -131,6 +133,7 @@ impl App {
             watched,
             source: start.source,
             folder: start.folder,
+            stop: start.stop,
             legacy: start.legacy,
             message,
             fault: None,
@@ -294,8 +297,9 @@ fn growing(stage: &Stage, again: bool) -> String {
     }
 }
 
-impl eframe::App for App {
-    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+impl App {
+    /// One frame of the window.
+    pub fn ui(&mut self, ui: &mut Ui) {
         self.listen();
         for action in keys::pressed(ui.ctx()) {
             self.act(ui, action);
@@ -332,8 +336,14 @@ impl eframe::App for App {
         if let Err(error) = self.view.check() {
             self.fail(&error);
         }
-        if self.lost {
+        if self.lost || (self.stop)() {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
         }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        Self::ui(self, ui);
     }
 }

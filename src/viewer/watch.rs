@@ -69,11 +69,16 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Starts the thread; `wake` is called from it when a file changed.
+    /// Starts the thread; `wake` is called from it when a file changed, and whenever `stop` says that the
+    /// program is to end.
     ///
     /// # Errors
     /// If the system gives no thread.
-    pub fn start(watched: Watched, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+    pub fn start(
+        watched: Watched,
+        stop: fn() -> bool,
+        wake: impl Fn() + Send + 'static,
+    ) -> std::io::Result<Self> {
         let (told, over) = (
             Arc::new(AtomicBool::new(false)),
             Arc::new(AtomicBool::new(false)),
@@ -85,6 +90,8 @@ impl Watch {
                 while !end.load(Ordering::Relaxed) {
                     if watched.changed() {
                         tell.store(true, Ordering::Relaxed);
+                        wake();
+                    } else if stop() {
                         wake();
                     }
                     std::thread::park_timeout(EVERY);
@@ -152,6 +159,21 @@ mod tests {
     }
 
     #[test]
+    fn the_thread_wakes_whoever_is_to_end() {
+        let (woken, wakes) = channel();
+        let watch = Watch::start(
+            Watched::default(),
+            || true,
+            move || {
+                let _ = woken.send(());
+            },
+        )
+        .unwrap();
+        wakes.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(!watch.take(), "no file changed");
+    }
+
+    #[test]
     fn the_thread_wakes_whoever_waits() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.ron");
@@ -159,9 +181,13 @@ mod tests {
         let watched = Watched::default();
         watched.note(&path);
         let (woken, wakes) = channel();
-        let watch = Watch::start(watched, move || {
-            let _ = woken.send(());
-        })
+        let watch = Watch::start(
+            watched,
+            || false,
+            move || {
+                let _ = woken.send(());
+            },
+        )
         .unwrap();
         assert!(!watch.take());
         fs::write(&path, "three").unwrap();

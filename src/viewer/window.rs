@@ -56,6 +56,8 @@ pub struct Options {
     pub size: [f32; 2],
     /// Folder into which screenshots are written.
     pub folder: PathBuf,
+    /// True once the program is to end.
+    pub stop: fn() -> bool,
 }
 
 impl Default for Options {
@@ -63,6 +65,7 @@ impl Default for Options {
         Self {
             size: [1280.0, 800.0],
             folder: PathBuf::from("."),
+            stop: || false,
         }
     }
 }
@@ -78,6 +81,7 @@ pub fn run(source: &Source, options: &Options) -> Result<(), WindowError> {
         let legacy = Legacy::default();
         let start = Start {
             kept: kept.take(),
+            stop: options.stop,
             legacy: Arc::clone(&legacy),
             ..Start::new(source.clone(), options.folder.clone())
         };
@@ -111,7 +115,14 @@ fn show(options: &Options, start: Start) -> Result<(), WindowError> {
         eframe::run_native(
             "pleach",
             native,
-            Box::new(|cc| Ok(Box::new(App::new(cc, start)?))),
+            Box::new(|cc| {
+                let state = cc.wgpu_render_state.as_ref();
+                let state = state.ok_or("the window has no graphics device")?;
+                let ctx = cc.egui_ctx.clone();
+                Ok(Box::new(App::new(state, start, move || {
+                    ctx.request_repaint()
+                })?))
+            }),
         )
     };
     let (result, panicked) = quietly(open);
