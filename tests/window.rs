@@ -102,6 +102,7 @@ fn window_with(start: Start, size: [f32; 2]) -> Window {
     Harness::builder()
         .with_size(vec2(size[0], size[1]))
         .with_max_steps(64)
+        .with_context_setup(viewer::panel::style)
         .renderer(WgpuTestRenderer::from_render_state(state))
         .build_ui_state(|ui, app: &mut App| app.ui(ui), app)
 }
@@ -176,7 +177,7 @@ fn lods() -> Outcome {
             app.view.shown.triangles == triangles,
             format!("{:?}", app.view.shown),
         )?;
-        window.get_by_label_contains(&format!("Shown: LOD {lod}, error "));
+        window.get_by_label_contains(&format!("Shown: LOD {lod}, "));
     }
     click(&mut window, "LOD by distance");
     let near = window.state().view.shown.clone();
@@ -228,6 +229,7 @@ fn pictures() -> Outcome {
         )?;
         before = now;
     }
+    click(&mut window, "Light and filter");
     for name in ["Four factors", "Combined"] {
         click(&mut window, name);
         let now = seen(&mut window)?;

@@ -238,6 +238,18 @@ impl App {
         }
     }
 
+    /// Takes the camera to another arrangement, if there is one.
+    fn arrange(&mut self) {
+        let Some(subject) = self.subject.clone() else {
+            return;
+        };
+        if self.arrangement != self.settings.arrangement {
+            self.view
+                .arrange(self.arrangement, &subject, &self.settings);
+            self.arrangement = self.settings.arrangement;
+        }
+    }
+
     fn shoot(&mut self, ui: &Ui) {
         let Some(subject) = self.subject.clone() else {
             return self.say(ui, "there is no tree to take a picture of yet".to_owned());
@@ -317,10 +329,10 @@ impl App {
         if let Some(fault) = self.fault().map(str::to_owned) {
             Panel::bottom("faults").show(ui, |ui| panel::faults(ui, &fault, subject.is_some()));
         }
-        if asked.frame || self.arrangement != self.settings.arrangement {
-            self.arrangement = self.settings.arrangement;
+        if asked.frame {
             self.frame();
         }
+        self.arrange();
         if asked.shot {
             self.shoot(ui);
         }

@@ -23,6 +23,18 @@ pub struct Asked {
     pub shot: bool,
 }
 
+/// Brightness of text: egui's own is hard to read over a long day.
+const TEXT: u8 = 195;
+
+/// How all of the window looks.
+pub fn style(ctx: &egui::Context) {
+    ctx.set_theme(egui::Theme::Dark);
+    ctx.all_styles_mut(|style| {
+        style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(TEXT);
+        style.spacing.item_spacing.y = 3.0;
+    });
+}
+
 /// The panel.
 pub fn ui(
     ui: &mut Ui,
@@ -39,6 +51,7 @@ pub fn ui(
             ui.add_space(4.0);
             lods(ui, settings, view, subject);
         }
+        section(ui, "Frames", |ui| frames(ui, settings, view));
         section(ui, "Picture", |ui| picture(ui, settings));
         section(ui, "Camera", |ui| asked.frame = camera(ui, settings, view));
         section(ui, "Sun", |ui| {
@@ -56,7 +69,6 @@ pub fn ui(
             );
         });
         section(ui, "Wind", |ui| wind(ui, &mut settings.breeze));
-        section(ui, "Frames", |ui| frames(ui, settings, view));
         ui.add_space(6.0);
         ui.horizontal(|ui| {
             asked.shot = ui.button("Screenshot").clicked();
@@ -113,12 +125,15 @@ fn lods(ui: &mut Ui, settings: &mut Settings, view: &Viewport, subject: &Subject
     });
     ui.add_space(4.0);
     if let Some(lod) = subject.lods.get(shown.lod).filter(|_| !strip) {
-        ui.label(format!(
-            "Shown: LOD {}, error {:.3} m, up to {} of the height",
-            shown.lod,
-            lod.error_m,
-            percent(lod.screen_size)
-        ));
+        ui.label(match lod.budget {
+            None => format!("Shown: LOD {}, full detail", shown.lod),
+            Some(_) => format!(
+                "Shown: LOD {}, error {:.3} m, fit for up to {} of the height",
+                shown.lod,
+                lod.error_m,
+                percent(lod.screen_size)
+            ),
+        });
         ui.label(format!(
             "The tree fills {} of the height",
             percent(shown.part)
@@ -162,21 +177,21 @@ fn picture(ui: &mut Ui, settings: &mut Settings) {
             ui.selectable_value(&mut settings.view, view, name);
         }
     });
-    ui.horizontal(|ui| {
-        ui.label("Light:");
-        ui.selectable_value(&mut settings.light, LightMode::Product, "Product");
-        ui.selectable_value(&mut settings.light, LightMode::FourFactors, "Four factors");
-    });
-    ui.horizontal_wrapped(|ui| {
-        ui.label("Filter:");
-        for (filter, name) in [
-            (Filter::None, "None"),
-            (Filter::Bilinear, "Bilinear"),
-            (Filter::Alpha, "Alpha"),
-            (Filter::Combined, "Combined"),
-        ] {
-            ui.selectable_value(&mut settings.filter, filter, name);
-        }
+    ui.collapsing("Light and filter", |ui| {
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut settings.light, LightMode::Product, "Product");
+            ui.selectable_value(&mut settings.light, LightMode::FourFactors, "Four factors");
+        });
+        ui.horizontal_wrapped(|ui| {
+            for (filter, name) in [
+                (Filter::None, "No filter"),
+                (Filter::Bilinear, "Bilinear"),
+                (Filter::Alpha, "Alpha"),
+                (Filter::Combined, "Combined"),
+            ] {
+                ui.selectable_value(&mut settings.filter, filter, name);
+            }
+        });
     });
 }
 

@@ -26,6 +26,10 @@ const SCROLL: f32 = 0.0022;
 /// Longest time that passes for what is animated, seconds: after a slow frame things go on and do not jump.
 const LONGEST: f32 = 0.25;
 
+/// Height of the camera over the horizon, radians, where a strip and a forest are framed.
+const STRIP_ELEVATION: f32 = 0.05;
+const FOREST_ELEVATION: f32 = 0.2;
+
 /// A view and its camera.
 #[derive(Debug)]
 pub struct Viewport {
@@ -44,6 +48,8 @@ pub struct Viewport {
     pub size: [u32; 2],
     /// What of the settings decides how long a picture takes.
     costly: Option<Costly>,
+    /// Azimuth and elevation from which one tree was seen last.
+    angles: [f32; 2],
     /// True until the tree that has come first is framed.
     unframed: bool,
     /// What decides the picture, as it was in the frame before.
@@ -72,6 +78,7 @@ impl Viewport {
             quality: Quality::FULL,
             size: [0, 0],
             costly: None,
+            angles: [0.0; 2],
             unframed: true,
             last: None,
             moved: None,
@@ -100,6 +107,21 @@ impl Viewport {
     pub fn keep(&mut self, rig: Rig) {
         self.rig = rig;
         self.unframed = false;
+    }
+
+    /// Takes the camera to where another arrangement is best seen from: straight before a strip, and from some
+    /// height over a forest. One tree is seen again as it was.
+    pub fn arrange(&mut self, from: Arrangement, subject: &Subject, settings: &Settings) {
+        let orbit = &mut self.rig.orbit;
+        if from == Arrangement::Single {
+            self.angles = [orbit.azimuth, orbit.elevation];
+        }
+        [orbit.azimuth, orbit.elevation] = match settings.arrangement {
+            Arrangement::Single => self.angles,
+            Arrangement::Strip => [0.0, STRIP_ELEVATION],
+            Arrangement::Forest => [self.angles[0], FOREST_ELEVATION],
+        };
+        self.frame(subject, settings);
     }
 
     /// Shows all of what stands in the picture.

@@ -119,6 +119,7 @@ fn show(options: &Options, start: Start) -> Result<(), WindowError> {
                 let state = cc.wgpu_render_state.as_ref();
                 let state = state.ok_or("the window has no graphics device")?;
                 let ctx = cc.egui_ctx.clone();
+                super::panel::style(&ctx);
                 Ok(Box::new(App::new(state, start, move || {
                     ctx.request_repaint()
                 })?))
