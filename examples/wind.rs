@@ -70,7 +70,7 @@ fn sheet(mut asset: TreeAsset, speed_m_s: f32) -> Image<[u8; 3]> {
                 lod: 1,
                 ..preview::Settings::default()
             };
-            row.push(preview::picture(&asset, &settings));
+            row.push(preview::picture(&asset.drawable(), &settings));
         }
         rows.push(preview::side_by_side(&row));
     }
