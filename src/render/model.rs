@@ -8,6 +8,7 @@ use crate::image::{Image, mips};
 use crate::math::{Bounds, Vec3, byte_from_unit, float, floor_to_u32, smoothstep};
 use crate::mesh::{Mesh, Primitive};
 use crate::shadow::{self, ShadowMap};
+use crate::wind::Sway;
 use rayon::prelude::*;
 use wgpu::util::DeviceExt as _;
 
@@ -46,6 +47,8 @@ pub struct Lod {
 #[derive(Debug)]
 pub(super) struct Part {
     pub(super) vertices: wgpu::Buffer,
+    /// How the vertices sway.
+    pub(super) sway: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
     /// Pairs of indices, for the view of edges.
     pub(super) edges: wgpu::Buffer,
@@ -245,9 +248,20 @@ impl Part {
                 }))
         };
         let vertices = bytemuck::cast_slice(&primitive.vertices);
+        let still = vec![Sway::default(); primitive.vertices.len()];
+        let sway = if primitive.sway.len() == primitive.vertices.len() {
+            &primitive.sway
+        } else {
+            &still
+        };
         let indices = bytemuck::cast_slice(&primitive.indices);
         Ok(Some(Self {
             vertices: buffer("a vertex buffer", vertices, wgpu::BufferUsages::VERTEX)?,
+            sway: buffer(
+                "a vertex buffer",
+                bytemuck::cast_slice(sway),
+                wgpu::BufferUsages::VERTEX,
+            )?,
             indices: buffer("an index buffer", indices, wgpu::BufferUsages::INDEX)?,
             edges: buffer(
                 "an index buffer",
@@ -288,6 +302,7 @@ fn uniform(source: &Drawable<'_>, volume: &Volume) -> uniforms::Model {
         volume_origin: volume.bounds.min.extend(0.0).to_array(),
         volume_scale: (1.0 / volume.bounds.size()).extend(0.0).to_array(),
         shadow_rects,
+        rig: source.wind,
     }
 }
 

@@ -4,7 +4,7 @@ use super::binding::group;
 use super::camera::Lens;
 use super::model::{Lod, Model, Part, extent};
 use super::pipelines::Pipelines;
-use super::scene::{Filter, Group, LightMode, Scene, ViewMode};
+use super::scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
 use super::targets::{DEPTH, Targets};
 use super::uniforms::{Frame, Instance};
 use crate::asset::Drawable;
@@ -276,7 +276,7 @@ impl Renderer {
                 .ground
                 .extend(if setting.backdrop { 1.0 } else { 0.0 })
                 .to_array(),
-            wind: [wind.x, wind.y, scene.wind.speed, scene.wind.gustiness],
+            wind: [wind.x, wind.y, scene.wind.speed_m_s, scene.wind.gustiness],
             clock: [
                 scene.time,
                 float(SAMPLES),
@@ -288,7 +288,7 @@ impl Renderer {
                 light_code(setting.light),
                 view_code(scene.view),
                 filter_code(scene.filter),
-                0,
+                flags(setting),
             ],
         }
     }
@@ -476,7 +476,8 @@ impl Drawn<'_> {
         pass.set_bind_group(1, &self.model.group, &[]);
         pass.set_bind_group(2, material, &[]);
         pass.set_vertex_buffer(0, part.vertices.slice(..));
-        pass.set_vertex_buffer(1, self.instances.slice(..));
+        pass.set_vertex_buffer(1, part.sway.slice(..));
+        pass.set_vertex_buffer(2, self.instances.slice(..));
     }
 
     fn draw(
@@ -578,6 +579,10 @@ fn light_code(mode: LightMode) -> u32 {
     }
 }
 
+fn flags(setting: &Setting) -> u32 {
+    u32::from(setting.light == LightMode::FourFactors)
+}
+
 fn view_code(view: ViewMode) -> u32 {
     match view {
         ViewMode::Lit => 0,
@@ -604,8 +609,8 @@ impl Scene {
     pub fn of_one(camera: super::camera::Camera, model: usize, lod: usize) -> Self {
         Self {
             camera,
-            setting: super::scene::Setting::default(),
-            wind: super::scene::Wind::default(),
+            setting: Setting::default(),
+            wind: CALM,
             time: 0.0,
             view: ViewMode::Lit,
             filter: Filter::None,

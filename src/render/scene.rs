@@ -3,6 +3,7 @@
 use super::camera::Camera;
 use super::uniforms::Instance;
 use crate::math::{Vec2, Vec3};
+use crate::wind::Wind;
 
 /// Light, air and ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,26 +92,12 @@ pub enum Filter {
     Combined,
 }
 
-/// Air that moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wind {
-    /// Where it blows to, on the ground (x, z); need not be unit.
-    pub direction: Vec2,
-    /// Metres a second.
-    pub speed: f32,
-    /// 0 for a steady wind, 1 for one that comes in gusts.
-    pub gustiness: f32,
-}
-
-impl Default for Wind {
-    fn default() -> Self {
-        Self {
-            direction: Vec2::new(1.0, 0.3),
-            speed: 0.0,
-            gustiness: 0.6,
-        }
-    }
-}
+/// No wind; it would blow along +X.
+pub const CALM: Wind = Wind {
+    direction: Vec2::X,
+    speed_m_s: 0.0,
+    gustiness: 0.7,
+};
 
 /// One frame.
 #[derive(Clone, Debug, PartialEq)]
