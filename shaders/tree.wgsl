@@ -58,10 +58,14 @@ struct Varyings {
     @location(1) local: vec3<f32>,
     @location(2) normal: vec3<f32>,
     @location(3) tangent: vec4<f32>,
-    @location(4) uv: vec2<f32>,
+    // Within the part of the pixel that is covered: at the middle of the pixel, beside a slim card, there is
+    // another part of the atlas.
+    @location(4) @interpolate(perspective, centroid) uv: vec2<f32>,
     @location(5) @interpolate(flat) turn: vec4<f32>,
     @location(6) @interpolate(flat) tint: vec3<f32>,
     @location(7) @interpolate(flat) marks: vec4<f32>,
+    // The same at the middle of the pixel, for its derivatives.
+    @location(8) uv_middle: vec2<f32>,
 }
 
 fn world_of(local: vec3<f32>, instance: Instance) -> vec3<f32> {
@@ -90,6 +94,7 @@ fn vs_tree(vertex: Vertex, instance: Instance) -> Varyings {
     out.normal = turned(vertex.normal, instance.turn.xy);
     out.tangent = vec4<f32>(turned(vertex.tangent.xyz, instance.turn.xy), vertex.tangent.w);
     out.uv = vertex.uv;
+    out.uv_middle = vertex.uv;
     out.turn = instance.turn;
     out.tint = instance.tint.rgb;
     out.marks = instance.marks;
@@ -116,6 +121,19 @@ fn samples_of(alpha: f32, fade: f32, pixel: vec2<f32>) -> u32 {
         }
     }
     return mask;
+}
+
+// Colour and alpha of foliage. Samplers choose mips by the longer side of a pixel's footprint, and there slim
+// leaves that are seen aslant, or whose card has far more texels along than across, wash out below the
+// cutoff. So the footprint is narrowed here: to its area, and to the distance of samples, of which a pixel has
+// four.
+fn foliage_texel(in: Varyings) -> vec4<f32> {
+    let x = dpdx(in.uv_middle);
+    let y = dpdy(in.uv_middle);
+    let longer = max(max(dot(x, x), dot(y, y)), 1e-20);
+    let area = max(abs(x.x * y.y - x.y * y.x), 1e-20);
+    let narrowed = 0.7 * max(sqrt(area / longer), 0.25);
+    return textureSampleGrad(albedo_map, surface_sampler, in.uv, x * narrowed, y * narrowed);
 }
 
 // Alpha that is steep about the cutoff whatever the distance (Golus 2017, anti-aliased alpha test).
@@ -237,7 +255,7 @@ fn fs_bark(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
 
 @fragment
 fn fs_foliage(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
-    let albedo = textureSample(albedo_map, surface_sampler, in.uv);
+    let albedo = foliage_texel(in);
     let alpha = sharpened(albedo.a) * edge_on(in);
     let colour = viewed(in, albedo.rgb, mapped_normal(in, front), 1.0);
     let samples = samples_of(alpha, in.turn.w, in.clip.xy);

@@ -3,7 +3,7 @@
 use super::uniforms;
 use crate::asset::{Drawable, Surface};
 use crate::capture::{ALPHA_CUTOFF, Occlusion};
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Gpu, GpuError, upload};
 use crate::image::{Image, mips};
 use crate::math::{Bounds, Vec3, byte_from_unit, float, floor_to_u32, smoothstep};
 use crate::mesh::{Mesh, Primitive};
@@ -122,13 +122,12 @@ impl Model {
             .fold(Bounds::EMPTY, |all, (mesh, _)| all.union(&mesh.bounds()));
         let volume = Volume::of(shade(source), &bounds);
         let finest = shade(source).bounds();
-        let uniform = gpu
-            .device
-            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("model"),
-                contents: bytemuck::bytes_of(&uniform(source, &volume)),
-                usage: wgpu::BufferUsages::UNIFORM,
-            });
+        let uniform = upload(
+            gpu,
+            "model",
+            bytemuck::bytes_of(&uniform(source, &volume)),
+            wgpu::BufferUsages::UNIFORM,
+        );
         let smooth = sampler(gpu, wgpu::AddressMode::ClampToEdge);
         let [a, b, c] = volume.views(gpu);
         let view = wgpu::BindingResource::TextureView;
@@ -239,13 +238,7 @@ impl Part {
             if size > limit {
                 return Err(GpuError::TooLarge { what, size, limit });
             }
-            Ok(gpu
-                .device
-                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some(what),
-                    contents,
-                    usage,
-                }))
+            Ok(upload(gpu, what, contents, usage))
         };
         let vertices = bytemuck::cast_slice(&primitive.vertices);
         let still = vec![Sway::default(); primitive.vertices.len()];

@@ -8,11 +8,10 @@ use super::scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
 use super::targets::{DEPTH, Targets};
 use super::uniforms::{Frame, Instance};
 use crate::asset::Drawable;
-use crate::gpu::{Gpu, GpuError, Readback};
+use crate::gpu::{Gpu, GpuError, Readback, upload};
 use crate::image::Image;
 use crate::math::{Bounds, PI, Vec3, float};
 use glam::{Mat4, Vec4};
-use wgpu::util::DeviceExt as _;
 
 /// Samples of a pixel.
 const SAMPLES: u32 = 4;
@@ -218,14 +217,12 @@ impl Renderer {
             for tree in &mut trees {
                 tree.marks[..2].copy_from_slice(&[index, lod.crisp]);
             }
-            let instances = self
-                .gpu
-                .device
-                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some("trees"),
-                    contents: bytemuck::cast_slice(&trees),
-                    usage: wgpu::BufferUsages::VERTEX,
-                });
+            let instances = upload(
+                &self.gpu,
+                "trees",
+                bytemuck::cast_slice(&trees),
+                wgpu::BufferUsages::VERTEX,
+            );
             Some(Drawn {
                 model,
                 lod,
@@ -580,7 +577,7 @@ fn light_code(mode: LightMode) -> u32 {
 }
 
 fn flags(setting: &Setting) -> u32 {
-    u32::from(setting.light == LightMode::FourFactors)
+    u32::from(setting.leaves_face_sun)
 }
 
 fn view_code(view: ViewMode) -> u32 {

@@ -26,6 +26,9 @@ pub struct Setting {
     pub ground_shadows: f32,
     /// True to shade the trees by a shadow map; else their light volumes do it.
     pub shadow_map: bool,
+    /// True to turn leaves to the sun in the shadow map (Candussi et al., section 2.1), which makes crowns
+    /// denser in it than they are; false to leave them as they hang.
+    pub leaves_face_sun: bool,
     /// Albedo of the ground, linear.
     pub ground: Vec3,
     /// False for trees alone, on nothing.
@@ -44,6 +47,7 @@ impl Default for Setting {
             translucency: 1.0,
             ground_shadows: 0.9,
             shadow_map: true,
+            leaves_face_sun: false,
             ground: Vec3::new(0.075, 0.098, 0.034),
             backdrop: true,
         }

@@ -247,6 +247,7 @@ mod gpu {
                     Light::Product => LightMode::Product,
                     Light::FourFactors => LightMode::FourFactors,
                 },
+                leaves_face_sun: shot.look.light == Light::FourFactors,
                 ..Setting::default()
             };
             scene.wind = shot.wind();
