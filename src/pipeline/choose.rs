@@ -166,9 +166,8 @@ fn spared(
         *offer = Offer::BARRED;
     }
     let richer = Cutter::new(tree, &menu).cut(cap);
-    let fair = |front: &Front| {
-        front.triangles > next && cutter.error(front) <= cutter.error(&cut) * LEAVE
-    };
+    let fair =
+        |front: &Front| front.triangles > next && cutter.error(front) <= cutter.error(&cut) * LEAVE;
     richer.filter(fair).unwrap_or(cut)
 }
 
