@@ -289,12 +289,12 @@ fn sun_and_wind() -> Outcome {
     window.get_by_label("Play");
     let scene = window.state_mut().scene().ok_or("no scene")?;
     ensure(
-        scene.wind.speed == 9.0 && scene.time == held,
+        scene.wind.speed_m_s == 9.0 && scene.time == held,
         format!("{:?}", scene.wind),
     )?;
     click(&mut window, "Wind blows");
     let scene = window.state_mut().scene().ok_or("no scene")?;
-    ensure(scene.wind.speed == 0.0, "wind that is off blows")
+    ensure(scene.wind.speed_m_s == 0.0, "wind that is off blows")
 }
 
 fn keys() -> Outcome {

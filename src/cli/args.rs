@@ -236,7 +236,13 @@ pub(crate) struct Render {
     /// Where the sun stands: degrees about the tree and above the horizon.
     #[arg(long, default_value = "80,48", value_name = "TURN,HEIGHT", value_parser = angles, allow_hyphen_values = true)]
     pub(crate) sun: [f32; 2],
-    /// Pictures of a turntable.
+    /// Wind: metres a second, and the degrees about the tree whither it blows (0 is +Z).
+    #[arg(long, default_value = "0,90", value_name = "SPEED,TURN", value_parser = wind)]
+    pub(crate) wind: [f32; 2],
+    /// Time in the wind, seconds.
+    #[arg(long, default_value_t = 0.0, value_parser = seconds)]
+    pub(crate) time: f32,
+    /// Pictures of a turntable or of trees in the wind.
     #[arg(long, default_value_t = 36, value_parser = clap::value_parser!(u16).range(2..=720))]
     pub(crate) frames: u16,
     /// Leave out sky and ground.
@@ -289,6 +295,8 @@ pub(crate) enum What {
     Strip,
     /// One LOD from all around.
     Turntable,
+    /// One LOD for four seconds in the wind.
+    Sway,
     /// Each tree, side by side in rows.
     Sheet,
     /// The foliage atlas on white.
@@ -371,6 +379,25 @@ fn angles(text: &str) -> Result<[f32; 2], String> {
             Ok([turn, height])
         }
         _ => Err("expected degrees such as 35,5, the second from -90 to 90".to_owned()),
+    }
+}
+
+/// Reads `8,90` or `8`.
+fn wind(text: &str) -> Result<[f32; 2], String> {
+    let (speed, turn) = text.split_once(',').unwrap_or((text, "90"));
+    match (speed.trim().parse(), turn.trim().parse()) {
+        (Ok(speed), Ok(turn)) if (0.0..=100.0).contains(&speed) && f32::is_finite(turn) => {
+            Ok([speed, turn])
+        }
+        _ => Err("expected metres a second from 0 to 100 and degrees, such as 8,90".to_owned()),
+    }
+}
+
+/// Reads seconds; waves lose their precision after some hours.
+fn seconds(text: &str) -> Result<f32, String> {
+    match text.trim().parse() {
+        Ok(time) if (0.0..=10_000.0).contains(&time) => Ok(time),
+        _ => Err("expected seconds from 0 to 10000".to_owned()),
     }
 }
 

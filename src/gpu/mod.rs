@@ -5,8 +5,10 @@
 
 mod picture;
 pub mod shader;
+mod upload;
 
 pub use picture::{Readback, read_texture};
+pub use upload::upload;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

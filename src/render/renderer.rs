@@ -4,15 +4,14 @@ use super::binding::group;
 use super::camera::Lens;
 use super::model::{Lod, Model, Part, extent};
 use super::pipelines::Pipelines;
-use super::scene::{Filter, Group, LightMode, Scene, ViewMode};
+use super::scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
 use super::targets::{DEPTH, Targets};
 use super::uniforms::{Frame, Instance};
 use crate::asset::Drawable;
-use crate::gpu::{Gpu, GpuError, Readback};
+use crate::gpu::{Gpu, GpuError, Readback, upload};
 use crate::image::Image;
 use crate::math::{Bounds, PI, Vec3, float};
 use glam::{Mat4, Vec4};
-use wgpu::util::DeviceExt as _;
 
 /// Samples of a pixel.
 const SAMPLES: u32 = 4;
@@ -246,14 +245,12 @@ impl Renderer {
             for tree in &mut trees {
                 tree.marks[..2].copy_from_slice(&[index, lod.crisp]);
             }
-            let instances = self
-                .gpu
-                .device
-                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some("trees"),
-                    contents: bytemuck::cast_slice(&trees),
-                    usage: wgpu::BufferUsages::VERTEX,
-                });
+            let instances = upload(
+                &self.gpu,
+                "trees",
+                bytemuck::cast_slice(&trees),
+                wgpu::BufferUsages::VERTEX,
+            );
             Some(Drawn {
                 model,
                 lod,
@@ -304,7 +301,7 @@ impl Renderer {
                 .ground
                 .extend(if setting.backdrop { 1.0 } else { 0.0 })
                 .to_array(),
-            wind: [wind.x, wind.y, scene.wind.speed, scene.wind.gustiness],
+            wind: [wind.x, wind.y, scene.wind.speed_m_s, scene.wind.gustiness],
             clock: [
                 scene.time,
                 float(SAMPLES),
@@ -316,7 +313,7 @@ impl Renderer {
                 light_code(setting.light),
                 view_code(scene.view),
                 filter_code(scene.filter),
-                0,
+                flags(setting),
             ],
         }
     }
@@ -498,6 +495,7 @@ struct Cast {
     groups: Vec<Group>,
     /// Wind and time, where a wind blows.
     blown: Option<([f32; 4], f32)>,
+    leaves_face_sun: bool,
 }
 
 impl Cast {
@@ -505,7 +503,8 @@ impl Cast {
         Self {
             light: frame.light_projection,
             groups: scene.groups.clone(),
-            blown: (scene.wind.speed != 0.0).then_some((frame.wind, scene.time)),
+            blown: (scene.wind.speed_m_s != 0.0).then_some((frame.wind, scene.time)),
+            leaves_face_sun: scene.setting.leaves_face_sun,
         }
     }
 }
@@ -523,7 +522,8 @@ impl Drawn<'_> {
         pass.set_bind_group(1, &self.model.group, &[]);
         pass.set_bind_group(2, material, &[]);
         pass.set_vertex_buffer(0, part.vertices.slice(..));
-        pass.set_vertex_buffer(1, self.instances.slice(..));
+        pass.set_vertex_buffer(1, part.sway.slice(..));
+        pass.set_vertex_buffer(2, self.instances.slice(..));
     }
 
     fn draw(
@@ -625,6 +625,10 @@ fn light_code(mode: LightMode) -> u32 {
     }
 }
 
+fn flags(setting: &Setting) -> u32 {
+    u32::from(setting.leaves_face_sun)
+}
+
 fn view_code(view: ViewMode) -> u32 {
     match view {
         ViewMode::Lit => 0,
@@ -651,8 +655,8 @@ impl Scene {
     pub fn of_one(camera: super::camera::Camera, model: usize, lod: usize) -> Self {
         Self {
             camera,
-            setting: super::scene::Setting::default(),
-            wind: super::scene::Wind::default(),
+            setting: Setting::default(),
+            wind: CALM,
             time: 0.0,
             view: ViewMode::Lit,
             filter: Filter::None,

@@ -2,7 +2,8 @@
 
 use super::level::Choice;
 use crate::math::Vec3;
-use crate::render::{Filter, LightMode, Setting, ViewMode, Wind};
+use crate::render::{Filter, LightMode, Setting, ViewMode};
+use crate::wind::Wind;
 
 /// What stands in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,7 +82,7 @@ impl Default for Breeze {
             playing: true,
             time: 0.0,
             direction: 70.0,
-            speed: 6.0,
+            speed: Wind::default().speed_m_s,
             gustiness: Wind::default().gustiness,
         }
     }
@@ -100,7 +101,7 @@ impl Breeze {
         let (x, z) = libm::sincosf(self.direction.to_radians());
         Wind {
             direction: glam::Vec2::new(x, z),
-            speed: if self.on { self.speed } else { 0.0 },
+            speed_m_s: if self.on { self.speed } else { 0.0 },
             gustiness: self.gustiness,
         }
     }
@@ -241,8 +242,8 @@ mod tests {
         assert_eq!(breeze.wind().speed, 0.0);
         assert!(!breeze.moves());
         breeze.on = true;
-        assert!(breeze.moves() && breeze.wind().speed > 0.0);
+        assert!(breeze.moves() && breeze.wind().speed_m_s > 0.0);
         breeze.playing = false;
-        assert!(!breeze.moves() && breeze.wind().speed > 0.0);
+        assert!(!breeze.moves() && breeze.wind().speed_m_s > 0.0);
     }
 }
