@@ -116,6 +116,8 @@ pub struct Drawable<'a> {
     pub reliefs: &'a [Relief],
     /// Nine soft ground shadows.
     pub shadows: &'a Shadows,
+    /// How the sway of its meshes is to be read.
+    pub wind: Rig,
 }
 
 impl TreeAsset {
@@ -128,6 +130,7 @@ impl TreeAsset {
             bark: &self.bark,
             reliefs: &self.reliefs,
             shadows: &self.shadows,
+            wind: self.wind,
         }
     }
 }

@@ -12,6 +12,7 @@ pub struct Source {
 }
 
 const FRAME: &str = include_str!("../../shaders/frame.wgsl");
+const WIND: &str = include_str!("../../shaders/wind.wgsl");
 const LIGHT: &str = include_str!("../../shaders/light.wgsl");
 const TREE: &str = include_str!("../../shaders/tree.wgsl");
 const GROUND: &str = include_str!("../../shaders/ground.wgsl");
@@ -25,13 +26,13 @@ const SHADOW_BAKE: &str = include_str!("../../shaders/shadow_bake.wgsl");
 /// Trees: colour, depth for the shadow map, and the views that show how they are made.
 pub const TREES: Source = Source {
     name: "trees",
-    files: &[FRAME, LIGHT, TREE],
+    files: &[FRAME, LIGHT, WIND, TREE],
 };
 
 /// Sky, ground, and the baked shadows on it.
 pub const GROUNDS: Source = Source {
     name: "ground",
-    files: &[FRAME, LIGHT, GROUND],
+    files: &[FRAME, LIGHT, WIND, GROUND],
 };
 
 /// From linear light to the screen, with the filters.

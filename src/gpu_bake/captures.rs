@@ -383,7 +383,7 @@ impl Stage<'_> {
     fn expose(&self, group: Group) -> Result<Exposed, GpuError> {
         let gpu = &self.baker.gpu;
         let list = List::of(&group);
-        let buffers = self.buffers(&group, &list)?;
+        let buffers = self.buffers(&group, &list);
         let bytes_back = group.texels.max(1) * u64::from(WORDS) * 4;
         let texels = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("captures back"),
@@ -416,11 +416,11 @@ impl Stage<'_> {
         })
     }
 
-    fn buffers(&self, group: &Group, list: &List) -> Result<Buffers, GpuError> {
+    fn buffers(&self, group: &Group, list: &List) -> Buffers {
         let gpu = &self.baker.gpu;
         let scenes = &group.scenes;
         let vertices = || scenes.iter().flat_map(Ready::vertices);
-        let vertex_bytes: usize = vertices().map(size_of_val).sum();
+        let vertex_count: usize = vertices().map(<[Vertex]>::len).sum();
         // Indices count the vertices of the whole group.
         let mut base = 0;
         let mut indices = Vec::new();
@@ -441,28 +441,18 @@ impl Stage<'_> {
             foliage: self.surfaces.foliage.about,
         };
         let output = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        Ok(Buffers {
-            sheet: upload::uniform(gpu, "sheet", &sheet)?,
-            shots: upload::storage(gpu, "shots", &list.shots)?,
-            vertices: upload::gathered(
-                gpu,
-                "vertices",
-                vertex_bytes.max(size_of::<Vertex>()) as u64,
-                vertices().map(bytemuck::cast_slice),
-            )?,
-            indices: upload::storage(gpu, "indices", &indices)?,
-            tiles: upload::storage(gpu, "tiles", &list.tiles)?,
-            grids: upload::storage(gpu, "grids", &list.grids)?,
-            density: upload::gathered(
-                gpu,
-                "density",
-                group.cells * 4,
-                densities.map(bytemuck::cast_slice),
-            )?,
+        Buffers {
+            sheet: upload::uniform(gpu, "sheet", &sheet),
+            shots: upload::storage(gpu, "shots", &list.shots),
+            vertices: upload::gathered(gpu, "vertices", vertex_count as u64, vertices()),
+            indices: upload::storage(gpu, "indices", &indices),
+            tiles: upload::storage(gpu, "tiles", &list.tiles),
+            grids: upload::storage(gpu, "grids", &list.grids),
+            density: upload::gathered(gpu, "density", group.cells, densities),
             open: upload::blank(gpu, "open", group.cells, BufferUsages::STORAGE),
-            reliefs: upload::storage(gpu, "reliefs", &reliefs)?,
+            reliefs: upload::storage(gpu, "reliefs", &reliefs),
             output: upload::blank(gpu, "texels", group.texels * u64::from(WORDS), output),
-        })
+        }
     }
 
     /// Records the light that reaches the cells of all grids.

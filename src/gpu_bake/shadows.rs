@@ -97,11 +97,11 @@ impl<'a> Bench<'a> {
                 a_light: count(work.lights.first().map_or(0, |l| l.samples.len())),
                 mips: count(levels.len()),
             },
-            points: upload::storage(gpu, "points", &casters.points)?,
-            bark: upload::storage(gpu, "bark", &casters.bark)?,
-            leaves: upload::storage(gpu, "leaves", &casters.leaves)?,
-            levels: upload::storage(gpu, "levels", &levels)?,
-            coverage: upload::storage(gpu, "coverage", &coverage)?,
+            points: upload::storage(gpu, "points", &casters.points),
+            bark: upload::storage(gpu, "bark", &casters.bark),
+            leaves: upload::storage(gpu, "leaves", &casters.leaves),
+            levels: upload::storage(gpu, "levels", &levels),
+            coverage: upload::storage(gpu, "coverage", &coverage),
         })
     }
 
@@ -123,7 +123,7 @@ impl<'a> Bench<'a> {
         let gpu = &self.baker.gpu;
         let words = self.pairs() * lights.len() as u64;
         let all: Vec<Projection> = lights.iter().flat_map(projections).collect();
-        let projections = upload::storage(gpu, "projections", &all)?;
+        let projections = upload::storage(gpu, "projections", &all);
         let a_mask = u64::from(self.job.row) * u64::from(self.job.size) * 4;
         let samples = usize::try_from(MASK_BYTES / a_mask).unwrap_or(1).max(1);
         let samples = samples.min(ROW as usize);
@@ -152,7 +152,7 @@ impl<'a> Bench<'a> {
                 &projections,
                 (&masks, &output),
                 lights.len(),
-            )?;
+            );
             passes += 2;
         }
         encoder.copy_buffer_to_buffer(&output, 0, &back, 0, None);
@@ -176,10 +176,10 @@ impl<'a> Bench<'a> {
         projections: &Buffer,
         (masks, output): (&Buffer, &Buffer),
         lights: usize,
-    ) -> Result<(), GpuError> {
+    ) {
         let gpu = &self.baker.gpu;
         let Pipelines { hard, sum } = &self.baker.shadows;
-        let uniform = upload::uniform(gpu, "shadow job", job)?;
+        let uniform = upload::uniform(gpu, "shadow job", job);
         let of_hard = upload::bound(
             gpu,
             &hard.get_bind_group_layout(0),
@@ -216,7 +216,6 @@ impl<'a> Bench<'a> {
         pass.set_pipeline(sum);
         pass.set_bind_group(0, &of_sum, &[]);
         pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), count(lights));
-        Ok(())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Data on their way to the adapter.
 
 use crate::capture::{ALPHA_CUTOFF, Pass};
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{self, Gpu, GpuError};
 use crate::image::atlas::Rect;
 use crate::image::{Image, Texel};
 use bytemuck::Pod;
@@ -9,22 +9,20 @@ use rayon::prelude::*;
 use wgpu::{Buffer, BufferUsages, TextureFormat};
 
 /// A storage buffer of some items; of one blank item where there are none.
-pub(super) fn storage<T: Pod>(gpu: &Gpu, label: &str, items: &[T]) -> Result<Buffer, GpuError> {
-    let bytes: &[u8] = bytemuck::cast_slice(items);
-    let size = bytes.len().max(size_of::<T>()) as u64;
-    gathered(gpu, label, size, core::iter::once(bytes))
+pub(super) fn storage<T: Pod>(gpu: &Gpu, label: &'static str, items: &[T]) -> Buffer {
+    let blank = [T::zeroed()];
+    let items = if items.is_empty() { &blank[..] } else { items };
+    gpu::upload(
+        gpu,
+        label,
+        bytemuck::cast_slice(items),
+        BufferUsages::STORAGE,
+    )
 }
 
 /// A uniform buffer.
-pub(super) fn uniform<T: Pod>(gpu: &Gpu, label: &str, item: &T) -> Result<Buffer, GpuError> {
-    let bytes = bytemuck::bytes_of(item);
-    let size = bytes.len() as u64;
-    filled(
-        gpu,
-        (label, BufferUsages::UNIFORM),
-        size,
-        core::iter::once(bytes),
-    )
+pub(super) fn uniform<T: Pod>(gpu: &Gpu, label: &'static str, item: &T) -> Buffer {
+    gpu::upload(gpu, label, bytemuck::bytes_of(item), BufferUsages::UNIFORM)
 }
 
 /// A buffer that the adapter alone fills, of so many words; at least one.
@@ -37,42 +35,27 @@ pub(super) fn blank(gpu: &Gpu, label: &str, words: u64, usage: BufferUsages) -> 
     })
 }
 
-/// A storage buffer written in pieces, without putting them together first; zero where they end.
-pub(super) fn gathered<'a>(
+/// A storage buffer of at least one item, written in pieces without putting them together first.
+pub(super) fn gathered<'a, T: Pod>(
     gpu: &Gpu,
-    label: &str,
-    bytes: u64,
-    pieces: impl Iterator<Item = &'a [u8]>,
-) -> Result<Buffer, GpuError> {
-    filled(gpu, (label, BufferUsages::STORAGE), bytes, pieces)
-}
-
-/// Unlike `create_buffer_init` of wgpu, it tells of a lost device instead of panicking.
-fn filled<'a>(
-    gpu: &Gpu,
-    (label, usage): (&str, BufferUsages),
-    bytes: u64,
-    pieces: impl Iterator<Item = &'a [u8]>,
-) -> Result<Buffer, GpuError> {
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: bytes.max(4).next_multiple_of(4),
+    label: &'static str,
+    items: u64,
+    pieces: impl Iterator<Item = &'a [T]>,
+) -> Buffer {
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+    let buffer = blank(
+        gpu,
+        label,
+        items.max(1) * (size_of::<T>() as u64 / 4),
         usage,
-        mapped_at_creation: true,
-    });
-    {
-        let mut view = buffer.get_mapped_range_mut(..).map_err(|e| {
-            let told = gpu.check().err();
-            told.unwrap_or_else(|| GpuError::Lost(e.to_string()))
-        })?;
-        let mut at = 0;
-        for piece in pieces.filter(|p| !p.is_empty()) {
-            view.slice(at..at + piece.len()).copy_from_slice(piece);
-            at += piece.len();
-        }
+    );
+    let mut at = 0;
+    for piece in pieces.filter(|p| !p.is_empty()) {
+        gpu.queue
+            .write_buffer(&buffer, at, bytemuck::cast_slice(piece));
+        at += size_of_val(piece) as u64;
     }
-    buffer.unmap();
-    Ok(buffer)
+    buffer
 }
 
 /// The textures of a pass on the adapter.

@@ -5,11 +5,11 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use pleach::gpu::Gpu;
 use std::process::ExitCode;
 
-/// How a test ends.
+/// What a test comes to.
 pub(crate) type Outcome = Result<(), Failed>;
 
-/// Runs the tests that the command line asks for.
-pub(crate) fn run(tests: &[(&str, fn() -> Outcome)]) -> ExitCode {
+/// Runs tests that need an adapter, with the arguments of the process.
+pub(crate) fn run(tests: &[(&'static str, fn() -> Outcome)]) -> ExitCode {
     let arguments = Arguments::from_args();
     let required = std::env::var_os("PLEACH_REQUIRE_GPU").is_some();
     let reason = match Gpu::headless() {
@@ -22,18 +22,21 @@ pub(crate) fn run(tests: &[(&str, fn() -> Outcome)]) -> ExitCode {
             Some(error.to_string())
         }
     };
-    let trial = |&(name, test): &(&str, fn() -> Outcome)| {
-        let trial = match (&reason, required) {
-            (Some(reason), true) => {
-                let reason = reason.clone();
-                Trial::test(name, move || Err(reason.into()))
-            }
-            _ => Trial::test(name, test),
-        };
-        let ignored = reason.is_some() && !required;
-        trial
-            .with_kind(if ignored { "no graphics adapter" } else { "" })
-            .with_ignored_flag(ignored)
-    };
-    libtest_mimic::run(&arguments, tests.iter().map(trial).collect()).exit_code()
+    let trials = tests
+        .iter()
+        .map(|&(name, test)| {
+            let trial = match (&reason, required) {
+                (Some(reason), true) => {
+                    let reason = reason.clone();
+                    Trial::test(name, move || Err(reason.into()))
+                }
+                _ => Trial::test(name, test),
+            };
+            let ignored = reason.is_some() && !required;
+            trial
+                .with_kind(if ignored { "no graphics adapter" } else { "" })
+                .with_ignored_flag(ignored)
+        })
+        .collect();
+    libtest_mimic::run(&arguments, trials).exit_code()
 }
