@@ -121,9 +121,9 @@ pub(super) fn draw(
         };
         let ready: Result<Vec<Ready>, BakeError> = scenes.into_par_iter().map(make).collect();
         for scene in ready? {
-            if let Err(scene) = group.add(scene) {
+            if let Some(scene) = group.add(scene) {
                 let full = core::mem::replace(&mut group, Group::new(gpu));
-                if let Err(scene) = group.add(scene) {
+                if let Some(scene) = group.add(scene) {
                     return Err(MachineFault::from(too_large(gpu, &scene)).into());
                 }
                 exposed.push(stage.expose(full).map_err(MachineFault::from)?);
@@ -221,7 +221,7 @@ impl Group {
     }
 
     /// Takes a scene, or gives it back if it is too much.
-    fn add(&mut self, scene: Ready) -> Result<(), Ready> {
+    fn add(&mut self, scene: Ready) -> Option<Ready> {
         let bytes = scene.bytes();
         let shots = &scene.scene.shots;
         let texels: u64 = shots.iter().map(|s| area(s.texels)).sum();
@@ -238,7 +238,7 @@ impl Group {
             .collect();
         let Some(places) = places.filter(|_| self.bytes + bytes <= most && output <= self.limit)
         else {
-            return Err(scene);
+            return Some(scene);
         };
         self.places.extend(places);
         self.sheet = sheet;
@@ -246,7 +246,7 @@ impl Group {
         self.texels += texels;
         self.cells += scene.scene.occlusion.density().len() as u64;
         self.scenes.push(scene);
-        Ok(())
+        None
     }
 }
 
