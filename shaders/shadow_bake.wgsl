@@ -1,4 +1,4 @@
-// Soft ground shadows: hard shadows as bits, one thread a triangle and sample, then summed.
+// Soft ground shadows: hard shadows as bits, one thread a triangle and light, then summed.
 // `src/shadow/raster.rs` and `cpu.rs` are the processor's twins, rule by rule; only rounding may differ.
 
 struct Job {
@@ -74,10 +74,12 @@ fn first_centre(x: f32) -> u32 {
     return whole(x + 0.5);
 }
 
-fn shadow(sample: Projection, point: u32) -> vec3<f32> {
-    let at = vec3<f32>(points[point * 3u], points[point * 3u + 1u], points[point * 3u + 2u]);
-    let place = sample.origin + at.xz * sample.a_metre - at.y * sample.lean;
-    return vec3<f32>(place, at.y);
+fn point(index: u32) -> vec3<f32> {
+    return vec3<f32>(points[index * 3u], points[index * 3u + 1u], points[index * 3u + 2u]);
+}
+
+fn shadow(sample: Projection, at: vec3<f32>) -> vec2<f32> {
+    return sample.origin + at.xz * sample.a_metre - at.y * sample.lean;
 }
 
 // How far a piece of foliage strays in a sample; samples come in pairs of opposite ones.
@@ -112,16 +114,17 @@ struct Cut {
     origin: vec2<f32>,
     right: vec2<f32>,
     down: vec2<f32>,
-    level: u32,
+    // The mip: its texels across, its last column and row, its first texel.
+    width: u32,
+    last: vec2<u32>,
+    first: u32,
     threshold: u32,
     solid: bool,
 }
 
 fn covered(cut: Cut, at: vec2<f32>) -> bool {
-    let level = levels[cut.level];
-    let x = min(whole(at.x), level.width - 1u);
-    let y = min(whole(at.y), level.height - 1u);
-    let texel = level.first + y * level.width + x;
+    let place = min(vec2<u32>(max(at, vec2<f32>(0.0))), cut.last);
+    let texel = cut.first + place.y * cut.width + place.x;
     return ((coverage[texel / 4u] >> (texel % 4u * 8u)) & 0xffu) >= cut.threshold;
 }
 
@@ -192,48 +195,67 @@ fn draw(cut: Cut, a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, mask: u32) {
     }
 }
 
-fn draw_bark(sample: Projection, triangle: u32, mask: u32) {
-    let a = shadow(sample, bark[triangle * 3u]).xy;
-    let b = shadow(sample, bark[triangle * 3u + 1u]).xy;
-    let c = shadow(sample, bark[triangle * 3u + 2u]).xy;
-    var cut: Cut;
-    cut.solid = true;
-    draw(cut, a, b, c, mask);
+// The samples of the batch that belong to a light.
+fn samples_of(light: u32) -> vec2<u32> {
+    return vec2<u32>(
+        max(light * job.a_light, job.first),
+        min((light + 1u) * job.a_light, job.first + job.samples),
+    );
 }
 
-fn draw_leaf(sample: Projection, number: u32, mask: u32) {
-    let leaf = leaves[number];
-    let away = stray(sample, leaf.key);
-    let at_a = shadow(sample, leaf.corners[0]);
-    let at_b = shadow(sample, leaf.corners[1]);
-    let at_c = shadow(sample, leaf.corners[2]);
-    let a = at_a.xy - at_a.z * away;
-    let to_b = at_b.xy - at_b.z * away - a;
-    let to_c = at_c.xy - at_c.z * away - a;
-    let area = to_b.x * to_c.y - to_c.x * to_b.y;
-    let level = clamp(floor_log2(leaf.uv_area / abs(area)) >> 1u, 0, leaf.last_level);
+fn draw_bark(triangle: u32, light: u32) {
+    let a = point(bark[triangle * 3u]);
+    let b = point(bark[triangle * 3u + 1u]);
+    let c = point(bark[triangle * 3u + 2u]);
     var cut: Cut;
-    cut.solid = false;
-    cut.level = min(u32(level), job.mips - 1u);
-    cut.threshold = max((sample.number * GOLDEN + (number + 1u) * SPREAD) >> 24u, 1u);
-    let scale = levels[cut.level].scale;
-    let uv_a = vec2<f32>(leaf.uv[0][0], leaf.uv[0][1]) * scale;
-    let uv_b = vec2<f32>(leaf.uv[1][0], leaf.uv[1][1]) * scale - uv_a;
-    let uv_c = vec2<f32>(leaf.uv[2][0], leaf.uv[2][1]) * scale - uv_a;
-    cut.origin = uv_a;
-    cut.right = (uv_b * to_c.y - uv_c * to_b.y) / area;
-    cut.down = (uv_c * to_b.x - uv_b * to_c.x) / area;
-    draw(cut, a, a + to_b, a + to_c, mask);
+    cut.solid = true;
+    let range = samples_of(light);
+    for (var i = range.x; i < range.y; i++) {
+        let sample = projections[i];
+        let mask = (i - job.first) * job.row * job.size;
+        draw(cut, shadow(sample, a), shadow(sample, b), shadow(sample, c), mask);
+    }
+}
+
+fn draw_leaf(number: u32, light: u32) {
+    let leaf = leaves[number];
+    let at_a = point(leaf.corners[0]);
+    let at_b = point(leaf.corners[1]);
+    let at_c = point(leaf.corners[2]);
+    let range = samples_of(light);
+    for (var i = range.x; i < range.y; i++) {
+        let sample = projections[i];
+        let away = stray(sample, leaf.key);
+        let a = shadow(sample, at_a) - at_a.y * away;
+        let b = shadow(sample, at_b) - at_b.y * away;
+        let c = shadow(sample, at_c) - at_c.y * away;
+        let to_b = b - a;
+        let to_c = c - a;
+        let area = to_b.x * to_c.y - to_c.x * to_b.y;
+        let index = clamp(floor_log2(leaf.uv_area / abs(area)) >> 1u, 0, leaf.last_level);
+        let level = levels[min(u32(index), job.mips - 1u)];
+        var cut: Cut;
+        cut.solid = false;
+        cut.width = level.width;
+        cut.last = vec2<u32>(level.width, level.height) - 1u;
+        cut.first = level.first;
+        cut.threshold = max((sample.number * GOLDEN + (number + 1u) * SPREAD) >> 24u, 1u);
+        let uv_a = vec2<f32>(leaf.uv[0][0], leaf.uv[0][1]) * level.scale;
+        let uv_b = vec2<f32>(leaf.uv[1][0], leaf.uv[1][1]) * level.scale - uv_a;
+        let uv_c = vec2<f32>(leaf.uv[2][0], leaf.uv[2][1]) * level.scale - uv_a;
+        cut.origin = uv_a;
+        cut.right = (uv_b * to_c.y - uv_c * to_b.y) / area;
+        cut.down = (uv_c * to_b.x - uv_b * to_c.x) / area;
+        draw(cut, a, b, c, (i - job.first) * job.row * job.size);
+    }
 }
 
 @compute @workgroup_size(64)
 fn cs_hard(@builtin(global_invocation_id) id: vec3<u32>) {
-    let sample = projections[job.first + id.y];
-    let mask = id.y * job.row * job.size;
     if id.x < job.bark {
-        draw_bark(sample, id.x, mask);
+        draw_bark(id.x, id.y);
     } else if id.x < job.bark + job.leaves {
-        draw_leaf(sample, id.x - job.bark, mask);
+        draw_leaf(id.x - job.bark, id.y);
     }
 }
 
@@ -258,12 +280,10 @@ fn cs_sum(@builtin(workgroup_id) group: vec3<u32>,
     if pair >= pairs {
         return;
     }
-    // Those samples of the light that the batch has.
-    let low = max(group.z * job.a_light, job.first);
-    let high = min((group.z + 1u) * job.a_light, job.first + job.samples);
+    let range = samples_of(group.z);
     let second = min(pair * 2u + 1u, texels - 1u);
     var sum = 0u;
-    for (var sample = low; sample < high; sample++) {
+    for (var sample = range.x; sample < range.y; sample++) {
         let both = dark(sample - job.first, pair * 2u) | (dark(sample - job.first, second) << 16u);
         sum += both * projections[sample].share;
     }

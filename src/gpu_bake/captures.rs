@@ -8,7 +8,7 @@ use crate::capture::{BakeError, Pass, Picture, Scene, Shot};
 use crate::gpu::{Gpu, GpuError, shader};
 use crate::image::{Image, Texel};
 use crate::math::{Bounds, Vec3, float};
-use crate::mesh::{Mesh, Vertex};
+use crate::mesh::{Mesh, Primitive, Vertex};
 use crate::report::{Cancelled, MachineFault, Progress};
 use rayon::prelude::*;
 use wgpu::{BindingResource, Buffer, BufferUsages, TextureFormat};
@@ -16,8 +16,11 @@ use wgpu::{BindingResource, Buffer, BufferUsages, TextureFormat};
 /// Words of a texel on its way back.
 const WORDS: u32 = 5;
 
-/// Texels along the edge of a tile, as in `shaders/capture_texels.wgsl`.
+/// Texels along the edge of a workgroup, as in `shaders/capture_texels.wgsl`.
 const TILE: u32 = 8;
+
+/// Bytes from one shot to the next among uniforms: what every adapter can step by.
+const STRIDE: usize = 256;
 
 /// Bytes of vertices beyond which another group is begun.
 const GROUP_BYTES: u64 = 64 << 20;
@@ -28,47 +31,88 @@ const AT_A_TIME: usize = 32;
 /// What is compiled once.
 #[derive(Debug)]
 pub(super) struct Pipelines {
+    seen: wgpu::BindGroupLayout,
     bark: wgpu::RenderPipeline,
     foliage: wgpu::RenderPipeline,
     light: wgpu::ComputePipeline,
     texels: wgpu::ComputePipeline,
+    texels_layout: wgpu::BindGroupLayout,
 }
 
 impl Pipelines {
     pub(super) fn new(device: &wgpu::Device) -> Self {
-        let seen = shader::CAPTURES_SEEN.module(device);
-        let compute = |source: shader::Source, entry: &str| {
+        use wgpu::{BufferBindingType as Kind, TextureSampleType as Sample};
+        let draws = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let seen = upload::layout(
+            device,
+            draws,
+            &[
+                upload::data(Kind::Uniform, false),
+                upload::data(Kind::Uniform, true),
+                upload::image(Sample::Uint),
+                upload::image(Sample::Uint),
+                upload::image(Sample::Float { filterable: false }),
+                upload::data(Kind::Storage { read_only: true }, false),
+            ],
+        );
+        let texels_layout = upload::layout(
+            device,
+            wgpu::ShaderStages::COMPUTE,
+            &[
+                upload::data(Kind::Uniform, false),
+                upload::data(Kind::Uniform, true),
+                upload::image(Sample::Uint),
+                upload::image(Sample::Depth),
+                upload::data(Kind::Storage { read_only: true }, false),
+                upload::data(Kind::Storage { read_only: false }, false),
+            ],
+        );
+        let compute = |source: shader::Source, entry, layout: Option<&wgpu::PipelineLayout>| {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(source.name),
-                layout: None,
+                layout,
                 module: &source.module(device),
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             })
         };
+        let module = shader::CAPTURES_SEEN.module(device);
+        let [bark, foliage] =
+            ["fs_bark", "fs_foliage"].map(|entry| seeing(device, &seen, &module, entry));
+        let of_texels = upload::pipeline_layout(device, &texels_layout);
         Self {
-            bark: seeing(device, &seen, "fs_bark"),
-            foliage: seeing(device, &seen, "fs_foliage"),
-            light: compute(shader::CAPTURES_LIGHT, "cs_light"),
-            texels: compute(shader::CAPTURES_TEXELS, "cs_texels"),
+            bark,
+            foliage,
+            seen,
+            light: compute(shader::CAPTURES_LIGHT, "cs_light", None),
+            texels: compute(shader::CAPTURES_TEXELS, "cs_texels", Some(&of_texels)),
+            texels_layout,
         }
     }
 }
 
 fn seeing(
     device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
     module: &wgpu::ShaderModule,
     fragment: &str,
 ) -> wgpu::RenderPipeline {
+    let attributes = wgpu::vertex_attr_array![
+        0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2
+    ];
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
-        layout: None,
+        layout: Some(&upload::pipeline_layout(device, layout)),
         vertex: wgpu::VertexState {
             module,
             entry_point: Some("vs_capture"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<Vertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &attributes,
+            })],
         },
         primitive: wgpu::PrimitiveState::default(),
         // Of equal depths the first one stays, as on the processor.
@@ -84,7 +128,7 @@ fn seeing(
             module,
             entry_point: Some(fragment),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(TextureFormat::R32Uint.into())],
+            targets: &[Some(TextureFormat::Rgba32Uint.into())],
         }),
         multiview_mask: None,
         cache: None,
@@ -261,13 +305,19 @@ struct Exposed {
     texels: Buffer,
 }
 
+/// Triangles of a mesh's bark or foliage in the buffers of a group.
+#[derive(Clone, Debug)]
+struct Part {
+    indices: core::ops::Range<u32>,
+    first_vertex: i32,
+}
+
 /// The shots of a group as the shaders read them, and what is drawn of each.
 #[derive(Default)]
 struct List {
     shots: Vec<layout::Shot>,
-    /// Corners of each shot's bark and foliage: ranges of indices.
-    corners: Vec<[core::ops::Range<u32>; 2]>,
-    tiles: Vec<[u32; 2]>,
+    /// Bark and foliage of each shot.
+    parts: Vec<[Part; 2]>,
     grids: Vec<Grid>,
 }
 
@@ -275,19 +325,21 @@ impl List {
     fn of(group: &Group) -> Self {
         let mut list = Self::default();
         let mut places = group.places.iter();
-        let (mut first_index, mut first_texel, mut first_cell) = (0, 0, 0);
+        let (mut first_index, mut first_vertex) = (0, 0);
+        let (mut first_texel, mut first_cell) = (0, 0);
         for ready in &group.scenes {
-            let corners: Vec<[core::ops::Range<u32>; 2]> = ready
-                .scene
-                .meshes
-                .iter()
-                .map(|mesh| {
-                    [&mesh.bark, &mesh.foliage].map(|primitive| {
-                        let from = first_index;
-                        first_index += count(primitive.indices.len());
-                        from..first_index
-                    })
-                })
+            let mut part = |primitive: &Primitive| {
+                let part = Part {
+                    indices: first_index..first_index + count(primitive.indices.len()),
+                    first_vertex: i32::try_from(first_vertex).unwrap_or(i32::MAX),
+                };
+                first_index = part.indices.end;
+                first_vertex += primitive.vertices.len();
+                part
+            };
+            let meshes = ready.scene.meshes.iter();
+            let parts: Vec<[Part; 2]> = meshes
+                .map(|mesh| [&mesh.bark, &mesh.foliage].map(&mut part))
                 .collect();
             let occlusion = &ready.scene.occlusion;
             list.grids.push(Grid {
@@ -297,11 +349,7 @@ impl List {
                 unused: [0; 3],
             });
             for (shot, &place) in ready.scene.shots.iter().zip(&mut places) {
-                let number = count(list.shots.len());
-                let [across, down] = shot.texels.map(|t| t.div_ceil(TILE));
-                let tiles = (0..down).flat_map(|y| (0..across).map(move |x| [number, x | y << 16]));
-                list.tiles.extend(tiles);
-                list.corners.push(corners[shot.mesh].clone());
+                list.parts.push(parts[shot.mesh].clone());
                 list.shots.push(layout::Shot {
                     place,
                     first: first_texel,
@@ -370,12 +418,17 @@ struct Buffers {
     shots: Buffer,
     vertices: Buffer,
     indices: Buffer,
-    tiles: Buffer,
     grids: Buffer,
     density: Buffer,
     open: Buffer,
     reliefs: Buffer,
     output: Buffer,
+}
+
+/// What each sample sees, and how near it is.
+struct Seen {
+    surface: wgpu::TextureView,
+    near: wgpu::TextureView,
 }
 
 impl Stage<'_> {
@@ -397,15 +450,17 @@ impl Stage<'_> {
                 label: Some("captures"),
             });
         self.light(&mut encoder, &buffers, &list);
-        let (seen, calls) = self.see(&mut encoder, &buffers, &list, group.sheet.size());
-        self.texels(&mut encoder, &buffers, &list, &seen);
+        let seen = self.seen(group.sheet.size());
+        let calls = 1
+            + self.see(&mut encoder, &buffers, &list, &seen)
+            + self.texels(&mut encoder, &buffers, &list, &seen);
         encoder.copy_buffer_to_buffer(&buffers.output, 0, &texels, 0, Some(bytes_back));
         gpu.queue.submit([encoder.finish()]);
         gpu.check()?;
         self.baker.count(Tally {
             submits: 1,
             passes: 3,
-            calls: calls + 2,
+            calls,
             bytes_up: group.bytes + group.cells * 4,
             bytes_back,
         });
@@ -420,16 +475,9 @@ impl Stage<'_> {
         let gpu = &self.baker.gpu;
         let scenes = &group.scenes;
         let vertices = || scenes.iter().flat_map(Ready::vertices);
+        let indices = || scenes.iter().flat_map(Ready::indices);
         let vertex_count: usize = vertices().map(<[Vertex]>::len).sum();
-        // Indices count the vertices of the whole group.
-        let mut base = 0;
-        let mut indices = Vec::new();
-        for mesh in scenes.iter().flat_map(|ready| &ready.scene.meshes) {
-            for primitive in [&mesh.bark, &mesh.foliage] {
-                indices.extend(primitive.indices.iter().map(|i| i + base));
-                base += count(primitive.vertices.len());
-            }
-        }
+        let index_count: usize = indices().map(<[u32]>::len).sum();
         let densities = scenes.iter().map(|r| r.scene.occlusion.density());
         let reliefs: Vec<Relief> = self.pass.textures.reliefs.iter().map(relief).collect();
         let [width, height] = group.sheet.size().map(float);
@@ -440,15 +488,19 @@ impl Stage<'_> {
             bark: self.surfaces.bark.about,
             foliage: self.surfaces.foliage.about,
         };
+        let mut shots = vec![0; list.shots.len() * STRIDE];
+        for (shot, place) in list.shots.iter().zip(shots.chunks_exact_mut(STRIDE)) {
+            place[..size_of::<layout::Shot>()].copy_from_slice(bytemuck::bytes_of(shot));
+        }
         let output = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let (of_vertices, of_indices) = (BufferUsages::VERTEX, BufferUsages::INDEX);
         Buffers {
             sheet: upload::uniform(gpu, "sheet", &sheet),
-            shots: upload::storage(gpu, "shots", &list.shots),
-            vertices: upload::gathered(gpu, "vertices", vertex_count as u64, vertices()),
-            indices: upload::storage(gpu, "indices", &indices),
-            tiles: upload::storage(gpu, "tiles", &list.tiles),
+            shots: crate::gpu::upload(gpu, "shots", &shots, BufferUsages::UNIFORM),
+            vertices: upload::gathered(gpu, of_vertices, vertex_count as u64, vertices()),
+            indices: upload::gathered(gpu, of_indices, index_count as u64, indices()),
             grids: upload::storage(gpu, "grids", &list.grids),
-            density: upload::gathered(gpu, "density", group.cells, densities),
+            density: upload::gathered(gpu, BufferUsages::STORAGE, group.cells, densities),
             open: upload::blank(gpu, "open", group.cells, BufferUsages::STORAGE),
             reliefs: upload::storage(gpu, "reliefs", &reliefs),
             output: upload::blank(gpu, "texels", group.texels * u64::from(WORDS), output),
@@ -474,15 +526,9 @@ impl Stage<'_> {
         pass.dispatch_workgroups(most, count(list.grids.len()), 1);
     }
 
-    /// Records which triangle each sample sees; gives that picture, and the number of draws.
-    fn see(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        buffers: &Buffers,
-        list: &List,
-        size: [u32; 2],
-    ) -> (wgpu::TextureView, u64) {
-        let target = |format, usage| {
+    /// The sheet's targets.
+    fn seen(&self, [width, height]: [u32; 2]) -> Seen {
+        let target = |format| {
             let texture = self
                 .baker
                 .gpu
@@ -490,33 +536,50 @@ impl Stage<'_> {
                 .create_texture(&wgpu::TextureDescriptor {
                     label: Some("sheet"),
                     size: wgpu::Extent3d {
-                        width: size[0],
-                        height: size[1],
+                        width,
+                        height,
                         depth_or_array_layers: 1,
                     },
                     mip_level_count: 1,
                     sample_count: 1,
                     dimension: wgpu::TextureDimension::D2,
                     format,
-                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                        | wgpu::TextureUsages::TEXTURE_BINDING,
                     view_formats: &[],
                 });
             texture.create_view(&wgpu::TextureViewDescriptor::default())
         };
-        let seen = target(TextureFormat::R32Uint, wgpu::TextureUsages::TEXTURE_BINDING);
-        let depth = target(TextureFormat::Depth32Float, wgpu::TextureUsages::empty());
+        Seen {
+            surface: target(TextureFormat::Rgba32Uint),
+            near: target(TextureFormat::Depth32Float),
+        }
+    }
+
+    /// Records the surface that each sample sees; gives the number of draws.
+    fn see(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffers: &Buffers,
+        list: &List,
+        seen: &Seen,
+    ) -> u64 {
         let Pipelines { bark, foliage, .. } = &self.baker.captures;
-        let cutout = (4, BindingResource::TextureView(&self.surfaces.cutout.view));
-        let [bark_group, foliage_group] =
-            [(bark, None), (foliage, Some(cutout))].map(|(pipeline, cutout)| {
-                let mut bindings = meshes(buffers).to_vec();
-                bindings.extend(cutout);
-                self.bound(&pipeline.get_bind_group_layout(0), &bindings)
-            });
+        let group = self.bound(
+            &self.baker.captures.seen,
+            &[
+                (0, buffers.sheet.as_entire_binding()),
+                (1, one_shot(buffers)),
+                (2, BindingResource::TextureView(&self.surfaces.bark.view)),
+                (3, BindingResource::TextureView(&self.surfaces.foliage.view)),
+                (4, BindingResource::TextureView(&self.surfaces.cutout.view)),
+                (5, buffers.reliefs.as_entire_binding()),
+            ],
+        );
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("captures"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &seen,
+                view: &seen.surface,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
@@ -525,63 +588,61 @@ impl Stage<'_> {
                 },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth,
+                view: &seen.near,
                 depth_ops: Some(wgpu::Operations {
                     load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
+                    store: wgpu::StoreOp::Store,
                 }),
                 stencil_ops: None,
             }),
             ..wgpu::RenderPassDescriptor::default()
         });
+        pass.set_vertex_buffer(0, buffers.vertices.slice(..));
+        pass.set_index_buffer(buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
         let mut calls = 0;
-        for (which, pipeline, group) in [(0, bark, &bark_group), (1, foliage, &foliage_group)] {
+        for (which, pipeline) in [(0, bark), (1, foliage)] {
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[]);
-            for (number, (shot, corners)) in (0..).zip(list.shots.iter().zip(&list.corners)) {
-                let corners = corners[which].clone();
-                if !corners.is_empty() {
+            for (number, (shot, parts)) in list.shots.iter().zip(&list.parts).enumerate() {
+                let part = &parts[which];
+                if !part.indices.is_empty() {
                     let ([x, y], [width, height]) = (shot.place, shot.samples);
                     pass.set_scissor_rect(x, y, width, height);
-                    pass.draw(corners, number..number + 1);
+                    pass.set_bind_group(0, &group, &[count(number * STRIDE)]);
+                    pass.draw_indexed(part.indices.clone(), part.first_vertex, 0..1);
                     calls += 1;
                 }
             }
         }
-        drop(pass);
-        (seen, calls)
+        calls
     }
 
-    /// Records the surfaces of all samples, averaged to texels.
+    /// Records the averages of all texels; gives the number of dispatches.
     fn texels(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         buffers: &Buffers,
         list: &List,
-        seen: &wgpu::TextureView,
-    ) {
-        /// Fewer than every adapter allows along one axis.
-        const ROW: u32 = 32_768;
-        let pipeline = &self.baker.captures.texels;
-        let mut bindings = meshes(buffers).to_vec();
-        bindings.extend([
-            (4, BindingResource::TextureView(seen)),
-            (5, buffers.tiles.as_entire_binding()),
-            (6, buffers.open.as_entire_binding()),
-            (7, buffers.reliefs.as_entire_binding()),
-            (8, buffers.output.as_entire_binding()),
-            (9, BindingResource::TextureView(&self.surfaces.bark.view)),
-            (
-                10,
-                BindingResource::TextureView(&self.surfaces.foliage.view),
-            ),
-        ]);
-        let group = self.bound(&pipeline.get_bind_group_layout(0), &bindings);
-        let tiles = count(list.tiles.len());
+        seen: &Seen,
+    ) -> u64 {
+        let group = self.bound(
+            &self.baker.captures.texels_layout,
+            &[
+                (0, buffers.sheet.as_entire_binding()),
+                (1, one_shot(buffers)),
+                (2, BindingResource::TextureView(&seen.surface)),
+                (3, BindingResource::TextureView(&seen.near)),
+                (4, buffers.open.as_entire_binding()),
+                (5, buffers.output.as_entire_binding()),
+            ],
+        );
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(tiles.min(ROW), tiles.div_ceil(ROW), 1);
+        pass.set_pipeline(&self.baker.captures.texels);
+        for (number, shot) in list.shots.iter().enumerate() {
+            pass.set_bind_group(0, &group, &[count(number * STRIDE)]);
+            let [across, down] = shot.texels.map(|t| t.div_ceil(TILE));
+            pass.dispatch_workgroups(across, down, 1);
+        }
+        list.shots.len() as u64
     }
 
     fn bound(
@@ -593,14 +654,13 @@ impl Stage<'_> {
     }
 }
 
-/// What both halves read.
-fn meshes(buffers: &Buffers) -> [(u32, BindingResource<'_>); 4] {
-    [
-        (0, buffers.sheet.as_entire_binding()),
-        (1, buffers.shots.as_entire_binding()),
-        (2, buffers.vertices.as_entire_binding()),
-        (3, buffers.indices.as_entire_binding()),
-    ]
+/// One shot of all, chosen by an offset.
+fn one_shot(buffers: &Buffers) -> BindingResource<'_> {
+    BindingResource::Buffer(wgpu::BufferBinding {
+        buffer: &buffers.shots,
+        offset: 0,
+        size: wgpu::BufferSize::new(STRIDE as u64),
+    })
 }
 
 fn relief(relief: &crate::mesh::card::Relief) -> Relief {

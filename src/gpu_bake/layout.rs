@@ -36,7 +36,7 @@ pub struct Sheet {
     pub foliage: [u32; 4],
 }
 
-/// `Relief` of `shaders/capture_texels.wgsl`.
+/// `Relief` of `shaders/capture_seen.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 #[expect(missing_docs, reason = "the shader documents them")]

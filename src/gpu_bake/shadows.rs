@@ -209,7 +209,7 @@ impl<'a> Bench<'a> {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(hard);
         pass.set_bind_group(0, &of_hard, &[]);
-        pass.dispatch_workgroups(triangles, job.samples, 1);
+        pass.dispatch_workgroups(triangles, count(lights), 1);
         drop(pass);
         let groups = count(usize::try_from(self.pairs()).unwrap_or(usize::MAX)).div_ceil(GROUP);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());

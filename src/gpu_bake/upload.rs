@@ -35,20 +35,15 @@ pub(super) fn blank(gpu: &Gpu, label: &str, words: u64, usage: BufferUsages) -> 
     })
 }
 
-/// A storage buffer of at least one item, written in pieces without putting them together first.
+/// A buffer of at least one item, written in pieces without putting them together first.
 pub(super) fn gathered<'a, T: Pod>(
     gpu: &Gpu,
-    label: &'static str,
+    usage: BufferUsages,
     items: u64,
     pieces: impl Iterator<Item = &'a [T]>,
 ) -> Buffer {
-    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let buffer = blank(
-        gpu,
-        label,
-        items.max(1) * (size_of::<T>() as u64 / 4),
-        usage,
-    );
+    let words = items.max(1) * (size_of::<T>() as u64 / 4);
+    let buffer = blank(gpu, "gathered", words, usage | BufferUsages::COPY_DST);
     let mut at = 0;
     for piece in pieces.filter(|p| !p.is_empty()) {
         gpu.queue
@@ -56,6 +51,54 @@ pub(super) fn gathered<'a, T: Pod>(
         at += size_of_val(piece) as u64;
     }
     buffer
+}
+
+/// A buffer in a layout; `steps` if an offset chooses a part of it at each call.
+pub(super) fn data(ty: wgpu::BufferBindingType, steps: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: steps,
+        min_binding_size: None,
+    }
+}
+
+/// A flat texture in a layout.
+pub(super) fn image(sample_type: wgpu::TextureSampleType) -> wgpu::BindingType {
+    wgpu::BindingType::Texture {
+        sample_type,
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    }
+}
+
+/// A layout of bindings from 0 on.
+pub(super) fn layout(
+    device: &wgpu::Device,
+    visibility: wgpu::ShaderStages,
+    bindings: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty,
+        count: None,
+    };
+    let entries: Vec<_> = (0..).zip(bindings).map(entry).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &entries,
+    })
+}
+
+/// The layout of a pipeline with one group.
+pub(super) fn pipeline_layout(
+    device: &wgpu::Device,
+    group: &wgpu::BindGroupLayout,
+) -> wgpu::PipelineLayout {
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        bind_group_layouts: &[Some(group)],
+        ..wgpu::PipelineLayoutDescriptor::default()
+    })
 }
 
 /// The textures of a pass on the adapter.
