@@ -40,3 +40,8 @@ struct Sheet {
 
 @group(0) @binding(0) var<uniform> sheet: Sheet;
 @group(0) @binding(1) var<uniform> shot: Shot;
+
+// The depth offset that 1 stands for in what a sample sees, metres: more than any capture in the picture has.
+fn reach() -> f32 {
+    return 8.0 * max(shot.half.x, shot.half.y);
+}

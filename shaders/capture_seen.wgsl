@@ -102,9 +102,9 @@ fn longer_at(uv: vec2<f32>) -> f32 {
     return 0.0;
 }
 
-// As in the textures, but the normal in view axes, and depth in metres from the surface as a half.
+// As in the textures, but the normal in view axes, and depth from the surface in parts of the reach.
 fn packed(words: vec4<u32>, normal: vec3<f32>, depth: f32) -> vec4<u32> {
-    let last = (words.w & 0xffff0000u) | (pack2x16float(vec2<f32>(depth, 0.0)) & 0xffffu);
+    let last = (words.w & 0xffff0000u) | (pack2x16snorm(vec2<f32>(depth / reach(), 0.0)) & 0xffffu);
     return vec4<u32>(words.xy, pack2x16snorm(normal.xy), last);
 }
 

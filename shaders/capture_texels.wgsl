@@ -51,7 +51,8 @@ fn cs_texels(@builtin(global_invocation_id) id: vec3<u32>) {
             let words = textureLoad(seen, at, 0);
             let slopes = unpack2x16snorm(words.z);
             let looks = unpack4x8unorm(words.w).zw;
-            let depth = shot.depth.x + nearness / shot.depth.y + unpack2x16float(words.w).x;
+            let offset = unpack2x16snorm(words.w).x * reach();
+            let depth = shot.depth.x + nearness / shot.depth.y + offset;
             colour += vec4<f32>(unpack2x16unorm(words.x), unpack2x16unorm(words.y));
             normal += vec3<f32>(slopes, sqrt(max(1.0 - dot(slopes, slopes), 0.0)));
             rest += vec3<f32>(looks, depth);

@@ -463,7 +463,7 @@ fn several_sheets() -> Outcome {
         foliage: card(0.02 * f32::from(index) + 0.1, 0.0),
         bark: card(0.01, 0.1),
     };
-    // Nine pictures of 2048 samples squared; a sheet holds eight.
+    // Nine pictures of 2048 samples squared; a sheet holds four.
     let tally = scenes(&(0..9).map(mesh).collect::<Vec<_>>(), 1024)?;
     assert_eq!(tally.pictures, 9);
     tally.judge("nine large pictures")

@@ -1,10 +1,10 @@
 //! The graphics adapter as the second backend of captures and of ground shadows: for feedback at once while a
 //! tree is being made.
 //!
-//! Captures: all shots of a pass lie side by side on one sheet of samples. One render pass finds the nearest
-//! triangle of each sample, one compute pass works out the surface once per sample, averages texels and shades
-//! them, and one copy brings them back. Shadows: one thread a triangle and sample marks texels in bit masks,
-//! which a second pass sums: no rasteriser is as quick with triangles of a few texels.
+//! Captures: all shots of a pass lie side by side on one sheet of samples. One render pass keeps the nearest
+//! surface of each sample, one compute pass averages them to texels and shades those, and one copy brings them
+//! back. Shadows: one thread a triangle and light marks texels in bit masks, which a second pass sums: no
+//! rasteriser is as quick with triangles of a few texels.
 //!
 //! What comes out is equal to what the processor draws within a tolerance (`tests/gpu_bake.rs`), and may differ
 //! from adapter to adapter. So the bytes of packs come from the processor unless asked otherwise, and the

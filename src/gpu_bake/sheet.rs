@@ -3,8 +3,8 @@
 /// Width of a sheet, samples; wider where one shot is.
 const WIDTH: u32 = 4096;
 
-/// Samples of a sheet beyond which another one is begun: 256 MiB with their depths.
-const MOST: u64 = 1 << 25;
+/// Samples of a sheet beyond which another one is begun: 320 MiB with their depths.
+const MOST: u64 = 1 << 24;
 
 /// Rows of shots.
 #[derive(Clone, Copy, Debug)]
