@@ -9,6 +9,9 @@ use crate::render::{Camera, Group, Instance, Scene};
 /// Trees that a forest view frames: those nearest to its middle.
 const FRAMED: usize = 60;
 
+/// Least triangles of a LOD that stands in for a finer one: those of fewer are not to be seen near.
+const HURRIED: u64 = 1_500;
+
 /// Distance between neighbours in a strip, in widths of the tree.
 const STRIP_GAP: f32 = 1.06;
 
@@ -46,6 +49,13 @@ pub struct Cast<'a> {
 }
 
 impl Cast<'_> {
+    /// The coarsest LOD that stands in for a finer one while something moves.
+    #[must_use]
+    pub fn coarsest_in_a_hurry(&self) -> usize {
+        let fine = |lod: &LodFacts| lod.triangles >= HURRIED;
+        self.lods.iter().rposition(fine).unwrap_or(0)
+    }
+
     /// Width of a circle about the trunk that holds it, metres.
     fn width(&self) -> f32 {
         let reach = self.bounds.corners().map(|c| libm::hypotf(c.x, c.z));
@@ -76,6 +86,7 @@ impl Stage {
         let height = cast.bounds.size().y;
         let middle = Vec3::Y * (cast.bounds.centre().y);
         let limit = |lod: usize| cast.lods.get(lod).map_or(0.0, |l| l.screen_size);
+        let floor = cast.coarsest_in_a_hurry();
         let mut shown = Shown::default();
         for (index, (tree, last)) in self.places.iter().zip(&mut self.last).enumerate() {
             let [x, y, z, size] = tree.place;
@@ -87,7 +98,7 @@ impl Stage {
                 (_, Choice::ByDistance) => {
                     let lod = level::by_size(limit, count, part, *last);
                     *last = Some(lod);
-                    (lod + coarser).min(count - 1)
+                    (lod + coarser).min(floor.max(lod))
                 }
             };
             if index == 0 {
@@ -263,9 +274,11 @@ mod tests {
     #[test]
     fn hurry_makes_lods_coarser_and_does_not_last() {
         let (mut stage, settings) = (Stage::default(), Settings::default());
-        assert_eq!(shown(&mut stage, &settings, 8.0, 2).lod, 2);
-        assert_eq!(shown(&mut stage, &settings, 8.0, 9).lod, 3);
+        assert_eq!(shown(&mut stage, &settings, 8.0, 1).lod, 1);
+        // LODs of a few hundred triangles are for far trees only, and stay there.
+        assert_eq!(shown(&mut stage, &settings, 8.0, 9).lod, 1);
         assert_eq!(shown(&mut stage, &settings, 8.0, 0).lod, 0);
+        assert_eq!(shown(&mut stage, &settings, 900.0, 9).lod, 3);
     }
 
     #[test]

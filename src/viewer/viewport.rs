@@ -272,7 +272,7 @@ impl Viewport {
         }
         let most = match costly {
             (Arrangement::Strip, _) | (_, Choice::Fixed(_)) => 0,
-            _ => subject.lods.len().saturating_sub(1),
+            _ => cast(subject).coarsest_in_a_hurry(),
         };
         let wanted = if hurried && !moves {
             self.quality
