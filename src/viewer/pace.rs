@@ -25,6 +25,9 @@ const PIXELS: f32 = 0.65;
 const SURE: f32 = 0.8;
 const ENDURED: f32 = 1.2;
 
+/// Where a picture takes less than this part of the goal, more pixels are tried.
+const PLENTY: f32 = 0.4;
+
 /// Seconds without motion after which the picture is drawn in full.
 pub const REST: f64 = 0.25;
 
@@ -65,6 +68,15 @@ impl Pace {
             return Quality::FULL;
         }
         self.now.0 = self.now.0.min(most);
+        let (coarser, step) = self.now;
+        if self
+            .known
+            .get(&self.now)
+            .is_some_and(|&known| known < GOAL * PLENTY)
+        {
+            // What more pixels took was measured in harder times.
+            self.known.retain(|&(c, s), _| c != coarser || s >= step);
+        }
         if self.predicted(self.now) > GOAL * ENDURED || self.now.1 > 0 || self.now.0 > 0 {
             self.now = self.best(most);
         }
