@@ -45,6 +45,9 @@ const VIEW_ALBEDO: u32 = 3u;
 const VIEW_OVERDRAW: u32 = 4u;
 const VIEW_WIRE: u32 = 5u;
 
+// Air hides far trees.
+const FLAG_AIR: u32 = 1u;
+
 const FILTER_ALPHA: u32 = 1u;
 const FILTER_BILINEAR: u32 = 2u;
 
