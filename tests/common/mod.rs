@@ -3,6 +3,9 @@
 
 #![allow(dead_code, reason = "each test file uses its own part of it")]
 
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+
 use std::path::{Path, PathBuf};
 
 use pleach::impostor::cross_quad::{CrossQuads, RIGHT};

@@ -101,7 +101,7 @@ fn tell(renderer: &crate::render::Renderer, forest: &Forest) -> Result<(), crate
         counts.trees,
         forest.trees().len(),
         counts.triangles,
-        counts.calls,
+        forest.calls(),
         counts.by_lod
     );
     Ok(())

@@ -11,6 +11,8 @@ use crate::render::renderer::{Renderer, SHADOW_MAP, light_projection};
 use crate::render::scene::{Scene, ViewMode};
 use crate::render::uniforms::Frame;
 
+use core::sync::atomic::Ordering;
+
 /// What all forests of a renderer share.
 #[derive(Debug)]
 pub(in crate::render) struct Woods {
@@ -121,6 +123,7 @@ impl Renderer {
         size: [u32; 2],
     ) {
         let cull = forest.cull(scene, size);
+        forest.calls.store(0, Ordering::Relaxed);
         forest.device.write(&self.gpu, &cull);
         match forest.settings.calls {
             Calls::Indirect => {
@@ -193,10 +196,12 @@ impl Renderer {
                     for tree in 0..trees {
                         pass.draw(0..6, tree..tree + 1);
                     }
+                    forest.called(trees);
                 }
                 None => {
                     let (calls, at) = forest.device.call(index, 0);
                     pass.draw_indirect(calls, at);
+                    forest.called(1);
                 }
             }
         }
@@ -238,6 +243,10 @@ impl Renderer {
 }
 
 impl Forest {
+    fn called(&self, calls: u32) {
+        self.calls.fetch_add(calls, Ordering::Relaxed);
+    }
+
     /// Trees of a bin, where each is drawn by a call of its own.
     fn each(&self, bin: usize) -> Option<u32> {
         let lists: &Lists = match (self.settings.calls, &self.twin) {
@@ -267,11 +276,13 @@ impl Forest {
                 for tree in 0..trees {
                     pass.draw_indexed(0..count, 0, tree..tree + 1);
                 }
+                self.called(trees);
             }
             None => {
                 let call = material + if edges { 2 } else { 0 };
                 let (calls, at) = self.device.call(bin, call);
                 pass.draw_indexed_indirect(calls, at);
+                self.called(1);
             }
         }
     }

@@ -36,6 +36,7 @@ use crate::gpu::{Gpu, GpuError};
 use crate::image::Image;
 use crate::math::{Bounds, Vec3, byte_from_unit};
 use bytemuck::{Pod, Zeroable};
+use core::sync::atomic::{AtomicU32, Ordering};
 
 /// A tree of a forest: `Planted` of the shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -147,8 +148,6 @@ pub struct Counts {
     pub trees: usize,
     /// Their triangles, of both LODs where one fades into another.
     pub triangles: u64,
-    /// Draw calls for them, without shadows.
-    pub calls: usize,
     /// Trees with each LOD.
     pub by_lod: Vec<usize>,
 }
@@ -164,6 +163,8 @@ pub struct Forest {
     device: Device,
     /// Height of the tallest tree, metres.
     height: f32,
+    /// Draw calls since the last choice.
+    calls: AtomicU32,
 }
 
 impl Forest {
@@ -177,6 +178,12 @@ impl Forest {
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    /// Draw calls that its last frame took: trees, their shadows in the shadow map and on the ground.
+    #[must_use]
+    pub fn calls(&self) -> u32 {
+        self.calls.load(Ordering::Relaxed)
     }
 
     /// Forgets which LODs its trees had, as after a cut to another view.
@@ -219,7 +226,6 @@ impl Forest {
             let trees = lists.bin(index).len();
             counts.trees += lists.trees(index).filter(|t| t.fade > 0).count();
             counts.triangles += lod.triangles * trees as u64;
-            counts.calls += usize::from(lod.bark.is_some()) + usize::from(lod.foliage.is_some());
             if counts.by_lod.len() <= bin.lod {
                 counts.by_lod.resize(bin.lod + 1, 0);
             }
@@ -291,6 +297,7 @@ impl Renderer {
             twin: None,
             device,
             height,
+            calls: AtomicU32::new(0),
         })
     }
 
