@@ -10,12 +10,11 @@ use pleach::asset::TreeAsset;
 use pleach::image::Image;
 use pleach::image::png;
 use pleach::math::{Vec2, Vec3};
-use pleach::mesh::{Mesh, Primitive};
 use pleach::pipeline::{self, Settings};
 use pleach::preview;
 use pleach::report::Quiet;
 use pleach::species::{self, Beside};
-use pleach::wind::{Rig, Wind, displacement};
+use pleach::wind::Wind;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
@@ -62,7 +61,7 @@ fn sheet(mut asset: TreeAsset, speed_m_s: f32) -> Image<[u8; 3]> {
             // The first LOD at rest frames all pictures.
             let mut moved = lod.clone();
             if let Some(time) = time {
-                sway(&mut moved.mesh, &wind, &asset.wind, time, toward);
+                moved.mesh = lod.mesh.in_wind(&wind, &asset.wind, time, toward);
             }
             asset.lods = vec![lods[0].clone(), moved];
             let settings = preview::Settings {
@@ -70,24 +69,11 @@ fn sheet(mut asset: TreeAsset, speed_m_s: f32) -> Image<[u8; 3]> {
                 lod: 1,
                 ..preview::Settings::default()
             };
-            row.push(preview::picture(&asset, &settings));
+            row.push(preview::picture(&asset.drawable(), &settings));
         }
         rows.push(preview::side_by_side(&row));
     }
     let texels: Vec<[u8; 3]> = rows.iter().flat_map(|r| r.texels().to_vec()).collect();
     let height = rows.iter().map(Image::height).sum();
     Image::from_texels(rows[0].width(), height, texels)
-}
-
-/// Moves a mesh to where the wind takes it.
-fn sway(mesh: &mut Mesh, wind: &Wind, rig: &Rig, time_s: f32, view_axis: Vec3) {
-    let moved = |primitive: &mut Primitive| {
-        for (vertex, &sway) in primitive.vertices.iter_mut().zip(&primitive.sway) {
-            let at = Vec3::from(vertex.position);
-            let to = at + displacement(wind, rig, time_s, at.y, sway, view_axis);
-            vertex.position = to.to_array();
-        }
-    };
-    moved(&mut mesh.bark);
-    moved(&mut mesh.foliage);
 }

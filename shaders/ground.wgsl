@@ -6,6 +6,7 @@ struct Model {
     volume_origin: vec4<f32>,
     volume_scale: vec4<f32>,
     shadow_rects: array<vec4<f32>, 9>,
+    rig: WindRig,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -9,6 +9,8 @@ struct Model {
     volume_scale: vec4<f32>,
     // Ground that each baked shadow covers: smallest x and z, largest x and z.
     shadow_rects: array<vec4<f32>, 9>,
+    // How the sway of its vertices is to be read.
+    rig: WindRig,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -34,6 +36,8 @@ struct Vertex {
     @location(1) normal: vec3<f32>,
     @location(2) tangent: vec4<f32>,
     @location(3) uv: vec2<f32>,
+    @location(4) sway: vec4<f32>,
+    @location(5) leaf: vec4<f32>,
 }
 
 struct Instance {
@@ -55,14 +59,31 @@ struct Varyings {
     @location(1) local: vec3<f32>,
     @location(2) normal: vec3<f32>,
     @location(3) tangent: vec4<f32>,
-    @location(4) uv: vec2<f32>,
+    // Within the part of the pixel that is covered: at the middle of the pixel, beside a slim card, there is
+    // another part of the atlas.
+    @location(4) @interpolate(perspective, centroid) uv: vec2<f32>,
     @location(5) @interpolate(flat) turn: vec4<f32>,
     @location(6) @interpolate(flat) tint: vec3<f32>,
     @location(7) @interpolate(flat) marks: vec4<f32>,
+    // The same at the middle of the pixel, for its derivatives.
+    @location(8) uv_middle: vec2<f32>,
 }
 
 fn world_of(local: vec3<f32>, instance: Instance) -> vec3<f32> {
     return instance.place.xyz + turned(local * instance.place.w, instance.turn.xy);
+}
+
+// Where the wind takes a vertex, in the tree's own frame. `view_axis` is what leaves turn about.
+fn swayed(vertex: Vertex, instance: Instance, view_axis: vec3<f32>) -> vec3<f32> {
+    if frame.wind.z <= 0.0 {
+        return vertex.position;
+    }
+    let over_scene = Wind(frame.wind.xy, frame.wind.z, frame.wind.w);
+    let time = frame.clock.x - wind_delay_s(over_scene, instance.place.xyz, instance.turn.z);
+    let direction = turned_back(vec3<f32>(frame.wind.x, 0.0, frame.wind.y), instance.turn.xy).xz;
+    let at_tree = Wind(direction, frame.wind.z, frame.wind.w);
+    let axis = turned_back(view_axis, instance.turn.xy);
+    return vertex.position + wind_offset(at_tree, model.rig, time, vertex.position.y, vertex.sway, vertex.leaf, axis);
 }
 
 @vertex
@@ -72,12 +93,13 @@ fn vs_tree(vertex: Vertex, instance: Instance) -> Varyings {
 
 fn tree_drawn(vertex: Vertex, instance: Instance) -> Varyings {
     var out: Varyings;
-    out.world = world_of(vertex.position, instance);
+    out.local = swayed(vertex, instance, frame.forward.xyz);
+    out.world = world_of(out.local, instance);
     out.clip = frame.view_projection * vec4<f32>(out.world, 1.0);
-    out.local = vertex.position;
     out.normal = turned(vertex.normal, instance.turn.xy);
     out.tangent = vec4<f32>(turned(vertex.tangent.xyz, instance.turn.xy), vertex.tangent.w);
     out.uv = vertex.uv;
+    out.uv_middle = vertex.uv;
     out.turn = instance.turn;
     out.tint = instance.tint.rgb;
     out.marks = instance.marks;
@@ -104,6 +126,19 @@ fn samples_of(alpha: f32, fade: f32, pixel: vec2<f32>) -> u32 {
         }
     }
     return mask;
+}
+
+// Colour and alpha of foliage. Samplers choose mips by the longer side of a pixel's footprint, and there slim
+// leaves that are seen aslant, or whose card has far more texels along than across, wash out below the
+// cutoff. So the footprint is narrowed here: to its area, and to the distance of samples, of which a pixel has
+// four.
+fn foliage_texel(in: Varyings) -> vec4<f32> {
+    let x = dpdx(in.uv_middle);
+    let y = dpdy(in.uv_middle);
+    let longer = max(max(dot(x, x), dot(y, y)), 1e-20);
+    let area = max(abs(x.x * y.y - x.y * y.x), 1e-20);
+    let narrowed = 0.7 * max(sqrt(area / longer), 0.25);
+    return textureSampleGrad(albedo_map, surface_sampler, in.uv, x * narrowed, y * narrowed);
 }
 
 // Alpha that is steep about the cutoff whatever the distance (Golus 2017, anti-aliased alpha test).
@@ -241,7 +276,7 @@ fn fs_bark(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
 
 @fragment
 fn fs_foliage(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
-    let albedo = textureSample(albedo_map, surface_sampler, in.uv);
+    let albedo = foliage_texel(in);
     let alpha = sharpened(albedo.a) * edge_on(in);
     let colour = viewed(in, albedo.rgb, mapped_normal(in, front), 1.0);
     let samples = samples_of(alpha, in.turn.w, in.clip.xy);
@@ -268,6 +303,18 @@ struct Cast {
     @location(0) uv: vec2<f32>,
 }
 
+// A leaf turned about its hinge until it faces the light; what has no hinge stays as it is.
+fn facing_sun(vertex: Vertex, local: vec3<f32>, instance: Instance) -> vec3<f32> {
+    let arm = vertex.leaf.xyz * model.rig.leaf_reach_m;
+    let to_sun = turned_back(frame.sun.xyz, instance.turn.xy);
+    let toward = to_sun * select(-1.0, 1.0, dot(vertex.normal, to_sun) >= 0.0);
+    // The shortest turn from the normal to the light or away from it.
+    let axis = cross(vertex.normal, toward);
+    let cosine = dot(vertex.normal, toward);
+    let turned_arm = arm * cosine + cross(axis, arm) + axis * dot(axis, arm) / (1.0 + cosine);
+    return local - arm + turned_arm;
+}
+
 // Depth from the sun.
 @vertex
 fn vs_cast(vertex: Vertex, instance: Instance) -> Cast {
@@ -276,7 +323,11 @@ fn vs_cast(vertex: Vertex, instance: Instance) -> Cast {
 
 fn tree_cast(vertex: Vertex, instance: Instance) -> Cast {
     var out: Cast;
-    out.clip = frame.light_projection * vec4<f32>(world_of(vertex.position, instance), 1.0);
+    var local = swayed(vertex, instance, -frame.sun.xyz);
+    if (frame.modes.w & FLAG_LEAVES_FACE_SUN) != 0u {
+        local = facing_sun(vertex, local, instance);
+    }
+    out.clip = frame.light_projection * vec4<f32>(world_of(local, instance), 1.0);
     out.uv = vertex.uv;
     return out;
 }

@@ -114,6 +114,8 @@ pub struct Drawable<'a> {
     pub reliefs: &'a [Relief],
     /// Nine soft ground shadows.
     pub shadows: &'a Shadows,
+    /// How the sway of its meshes is to be read.
+    pub wind: Rig,
 }
 
 impl TreeAsset {
@@ -126,6 +128,7 @@ impl TreeAsset {
             bark: &self.bark,
             reliefs: &self.reliefs,
             shadows: &self.shadows,
+            wind: self.wind,
         }
     }
 }

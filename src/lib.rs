@@ -30,4 +30,6 @@ pub mod species;
 pub mod spline;
 pub mod texture;
 pub mod tree;
+#[cfg(feature = "preview")]
+pub mod viewer;
 pub mod wind;

@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::gpu::{Outcome, covered, mean_flip, palm};
+use common::adapter::{self, Outcome};
+use common::gpu::{covered, mean_flip, palm};
 use libtest_mimic::Failed;
 use pleach::asset::Drawable;
 use pleach::gpu::{Gpu, GpuError};
@@ -14,7 +15,7 @@ use pleach::render::{Camera, Lens, Renderer, Scene};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    common::gpu::run(&[
+    adapter::run(&[
         ("the_passes_give_the_lists_of_their_twin", twin_agrees),
         ("a_seen_tree_has_one_lod_or_two_that_share_it", shared_out),
         ("no_tree_in_sight_is_lost_and_none_out_of_it_kept", culled),
@@ -208,6 +209,17 @@ fn culled() -> Outcome {
     Ok(())
 }
 
+/// For each tree, the bin that it is drawn from.
+fn lods(forest: &Forest, lists: &Lists) -> Vec<Option<usize>> {
+    let mut lods = vec![None; forest.trees().len()];
+    for (index, bin) in forest.plan().bins.iter().enumerate() {
+        for entry in lists.trees(index).filter(|_| bin.of == Use::Draw) {
+            lods[entry.tree as usize] = Some(index);
+        }
+    }
+    lods
+}
+
 fn hysteresis() -> Outcome {
     let mut renderer = renderer()?;
     let trees = planted(8_000);
@@ -396,8 +408,8 @@ fn like_one_alone() -> Outcome {
         let (mut forest, mut scene) = one(&mut renderer)?;
         scene.setting.backdrop = true;
         forest.settings.lod = u32::try_from(lod).ok();
-        // No air between.
-        forest.settings.air_m = 1e9;
+        // As far as one tree's ground is seen.
+        forest.settings.air_m = renderer.models()[0].bounds.size().length() * 12.0;
         let planted = renderer.picture_of_forest(&mut forest, &scene, SIZE)?;
         let mut alone = Scene::of_one(scene.camera, 0, lod);
         alone.setting = scene.setting;

@@ -37,6 +37,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("files", &["pack"]),
     ("LODs judged", &["evaluate"]),
     ("many trees", &["batch"]),
+    ("a window on a tree", &["viewer"]),
     ("faces", &["cli"]),
     ("the program and the crate", &["main", "lib"]),
 ];

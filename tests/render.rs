@@ -3,20 +3,26 @@
 
 mod common;
 
-use common::gpu::{Outcome, covered, mean_flip, palm, root};
+use common::adapter::{self, Outcome};
+use common::gpu::{covered, mean_flip, palm, root};
 use libtest_mimic::Failed;
 use pleach::asset::TreeAsset;
 use pleach::gpu::{Gpu, GpuError};
 use pleach::image::{Image, png};
 use pleach::math::Vec3;
 use pleach::render::{Filter, Instance, LightMode, Orbit, PORTRAIT, Renderer, Scene, ViewMode};
+use pleach::wind::{self, Rig, Wind};
 use pleach::{capture, shadow};
 use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    common::gpu::run(&[
+    let tests: [(&str, fn() -> Outcome); 17] = [
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
+        (
+            "a_scene_after_others_is_drawn_as_if_it_came_first",
+            after_others,
+        ),
         ("pictures_look_as_they_did", pictures_look_as_they_did),
         ("the_tree_covers_what_the_rasteriser_says", covers_the_same),
         (
@@ -41,7 +47,14 @@ fn main() -> ExitCode {
             too_large,
         ),
         ("a_lost_device_is_told_and_not_a_panic", lost),
-    ])
+        ("the_shader_sways_vertices_as_the_library_does", sways_agree),
+        ("lods_lean_downwind_together", lods_lean_together),
+        (
+            "leaves_that_face_the_sun_cast_more_shadow",
+            leaves_face_the_sun,
+        ),
+    ];
+    adapter::run(&tests)
 }
 
 const SIZE: [u32; 2] = [160, 200];
@@ -65,6 +78,44 @@ fn same_picture_twice() -> Outcome {
         return Ok(());
     }
     Err("two pictures of one scene differ".into())
+}
+
+fn after_others() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    renderer.picture(&scene, SIZE)?;
+    let mut steps: [(&str, &mut dyn FnMut(&mut Scene)); 5] = [
+        ("the camera", &mut |s| s.camera.eye.x += 1.0),
+        ("the sun", &mut |s| {
+            s.setting.sun = Vec3::new(-0.5, 0.4, 0.2)
+        }),
+        ("the LOD", &mut |s| s.groups[0].lod = 1),
+        ("a tree", &mut |s| {
+            let tree = Instance::at(Vec3::new(1.5, 0.0, -1.0), 1.0, 0.7);
+            s.groups[0].trees.push(tree);
+        }),
+        ("the shadow map", &mut |s| s.setting.shadow_map = false),
+    ];
+    for (what, change) in &mut steps {
+        change(&mut scene);
+        let mut fresh = self::renderer(palm())?;
+        if renderer.picture(&scene, SIZE)? != fresh.picture(&scene, SIZE)? {
+            return Err(format!("{what} is not drawn as it is now").into());
+        }
+    }
+    // Another tree in the place of this one.
+    scene.setting.shadow_map = true;
+    scene.groups[0].lod = 0;
+    renderer.picture(&scene, SIZE)?;
+    let mut other = palm().drawable();
+    other.lods.remove(0);
+    renderer.replace(0, &other)?;
+    let mut fresh = Renderer::new(&Gpu::headless()?, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+    fresh.add(&other)?;
+    if renderer.picture(&scene, SIZE)? != fresh.picture(&scene, SIZE)? {
+        return Err("a tree in the place of another is not drawn as it is".into());
+    }
+    Ok(())
 }
 
 fn pictures_look_as_they_did() -> Outcome {
@@ -195,7 +246,6 @@ fn shares_agree() -> Outcome {
 
 /// What `nine_shares` of `light.wgsl` gives.
 fn shares_in_shader(gpu: &Gpu, suns: &[Vec3]) -> Result<Vec<[f32; 9]>, Failed> {
-    use wgpu::util::DeviceExt as _;
     const MAIN: &str = "
         @group(0) @binding(0) var<storage, read> suns: array<vec4<f32>>;
         @group(0) @binding(1) var<storage, read_write> shares: array<f32>;
@@ -208,28 +258,39 @@ fn shares_in_shader(gpu: &Gpu, suns: &[Vec3]) -> Result<Vec<[f32; 9]>, Failed> {
                 }
             }
         }";
-    let device = &gpu.device;
     let files = pleach::gpu::shader::TREES.files;
-    let text = [files[0], files[1], MAIN].join("\n");
+    let wide: Vec<[f32; 4]> = suns.iter().map(|s| s.extend(0.0).to_array()).collect();
+    let numbers = computed(gpu, &[files[0], files[1], MAIN], &wide, 9)?;
+    Ok(numbers.as_chunks::<9>().0.to_vec())
+}
+
+/// Runs a compute shader over inputs, `count` numbers out for each.
+fn computed<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    files: &[&str],
+    inputs: &[T],
+    count: usize,
+) -> Result<Vec<f32>, Failed> {
+    use wgpu::util::DeviceExt as _;
+    let device = &gpu.device;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("shares"),
-        source: wgpu::ShaderSource::Wgsl(text.into()),
+        label: Some("test"),
+        source: wgpu::ShaderSource::Wgsl(files.join("\n").into()),
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("shares"),
+        label: Some("test"),
         layout: None,
         module: &module,
         entry_point: Some("main"),
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     });
-    let wide: Vec<[f32; 4]> = suns.iter().map(|s| s.extend(0.0).to_array()).collect();
     let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: None,
-        contents: bytemuck::cast_slice(&wide),
+        contents: bytemuck::cast_slice(inputs),
         usage: wgpu::BufferUsages::STORAGE,
     });
-    let size = (suns.len() * 9 * 4) as u64;
+    let size = (inputs.len() * count * 4) as u64;
     let buffer = |usage| {
         device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -258,15 +319,159 @@ fn shares_in_shader(gpu: &Gpu, suns: &[Vec3]) -> Result<Vec<[f32; 9]>, Failed> {
     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &group, &[]);
-    pass.dispatch_workgroups(u32::try_from(suns.len().div_ceil(64))?, 1, 1);
+    pass.dispatch_workgroups(u32::try_from(inputs.len().div_ceil(64))?, 1, 1);
     drop(pass);
     encoder.copy_buffer_to_buffer(&output, 0, &read, 0, size);
     gpu.queue.submit([encoder.finish()]);
     read.map_async(wgpu::MapMode::Read, .., |_| ());
     gpu.finish()?;
     let bytes = read.get_mapped_range(..).map_err(|e| e.to_string())?;
-    let numbers: &[f32] = bytemuck::cast_slice(&bytes);
-    Ok(numbers.as_chunks::<9>().0.to_vec())
+    Ok(bytemuck::cast_slice(&bytes).to_vec())
+}
+
+/// A vertex in a wind: what `wind_offset` of `wind.wgsl` takes.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Blown {
+    wind: Wind,
+    rig: Rig,
+    sway: [f32; 4],
+    leaf: [f32; 4],
+    /// Unit; then the time.
+    axis: [f32; 4],
+    /// Height, and three that fill up.
+    height: [f32; 4],
+}
+
+fn sways_agree() -> Outcome {
+    const MAIN: &str = "
+        struct Blown {
+            wind: Wind,
+            rig: WindRig,
+            sway: vec4<f32>,
+            leaf: vec4<f32>,
+            axis: vec4<f32>,
+            height: vec4<f32>,
+        }
+        @group(0) @binding(0) var<storage, read> vertices: array<Blown>;
+        @group(0) @binding(1) var<storage, read_write> moved: array<f32>;
+        @compute @workgroup_size(64)
+        fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+            if id.x < arrayLength(&vertices) {
+                let v = vertices[id.x];
+                let to = wind_offset(v.wind, v.rig, v.axis.w, v.height.x, v.sway, v.leaf, v.axis.xyz);
+                for (var i = 0u; i < 3u; i++) {
+                    moved[id.x * 3u + i] = to[i];
+                }
+            }
+        }";
+    let asset = palm();
+    let mut expected = Vec::new();
+    let mut vertices = Vec::new();
+    for (index, sway) in [&asset.lods[0].mesh.bark, &asset.lods[0].mesh.foliage]
+        .iter()
+        .flat_map(|p| p.sway.iter().step_by(41))
+        .enumerate()
+    {
+        let n = index as f32;
+        let wind = Wind {
+            direction: pleach::math::Vec2::new(0.6, 0.8),
+            speed_m_s: n % 35.0,
+            gustiness: (n % 11.0) / 10.0,
+        };
+        let axis = Vec3::new(0.48, 0.6, 0.64);
+        let (time, height) = (n * 0.37, n % 23.0);
+        expected.push(wind::displacement(
+            &wind,
+            &asset.wind,
+            time,
+            height,
+            *sway,
+            axis,
+        ));
+        vertices.push(Blown {
+            wind,
+            rig: asset.wind,
+            sway: sway.weights(),
+            leaf: sway.turns(),
+            axis: axis.extend(time).to_array(),
+            height: [height, 0.0, 0.0, 0.0],
+        });
+    }
+    let wgsl = include_str!("../shaders/wind.wgsl");
+    let moved = computed(&Gpu::headless()?, &[wgsl, MAIN], &vertices, 3)?;
+    let (mut worst, mut farthest) = (0.0_f32, 0.0_f32);
+    for (&to, expected) in moved.as_chunks::<3>().0.iter().zip(&expected) {
+        worst = worst.max(Vec3::from(to).distance(*expected));
+        farthest = farthest.max(expected.length());
+    }
+    println!(
+        "{} vertices, up to {farthest:.2} m away, {worst:.6} m apart",
+        vertices.len()
+    );
+    if vertices.len() > 200 && farthest > 0.5 && worst < 2e-3 {
+        return Ok(());
+    }
+    Err(format!("{worst} m apart, {farthest} m away").into())
+}
+
+/// Mean place of what a picture shows, in pixels from the left.
+fn middle(picture: &Image<[u8; 4]>) -> f32 {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for y in 0..picture.height() {
+        for x in 0..picture.width() {
+            let alpha = f32::from(picture.at(x, y)[3]);
+            sum += alpha * x as f32;
+            weight += alpha;
+        }
+    }
+    sum / weight
+}
+
+fn lods_lean_together() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut shifts = Vec::new();
+    for lod in 0..renderer.models()[0].lods.len() {
+        let mut scene = scene(&renderer, lod);
+        scene.setting.backdrop = false;
+        let [right, _] = scene.camera.sides();
+        scene.wind.direction = pleach::math::Vec2::new(right.x, right.z);
+        scene.time = 3.0;
+        let still = renderer.picture(&scene, SIZE)?;
+        scene.wind.speed_m_s = 14.0;
+        let blown = renderer.picture(&scene, SIZE)?;
+        scene.time += 0.7;
+        if renderer.picture(&scene, SIZE)? == blown {
+            return Err(format!("lod {lod} stands still in the wind").into());
+        }
+        shifts.push(middle(&blown) - middle(&still));
+    }
+    println!("shifted to the right by {shifts:.2?} pixels");
+    let full = shifts[0];
+    if full > 2.0 && shifts.iter().all(|s| (s / full - 1.0).abs() < 0.3) {
+        return Ok(());
+    }
+    Err(format!("LODs do not lean together: {shifts:?} pixels").into())
+}
+
+fn leaves_face_the_sun() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let mut scene = scene(&renderer, 0);
+    scene.setting.ground_shadows = 0.0;
+    scene.setting.backdrop = false;
+    let mut brightness = |leaves_face_sun: bool| -> Result<u64, GpuError> {
+        scene.setting.leaves_face_sun = leaves_face_sun;
+        let picture = renderer.picture(&scene, SIZE)?;
+        let of = |p: &[u8; 4]| u64::from(p[1]) * u64::from(p[3]);
+        Ok(picture.texels().iter().map(of).sum())
+    };
+    let (facing, hanging) = (brightness(true)?, brightness(false)?);
+    let part = facing as f32 / hanging as f32;
+    println!("{part:.3} of the light with leaves that face the sun in the shadow map");
+    if (0.5..0.985).contains(&part) {
+        return Ok(());
+    }
+    Err(format!("leaves that face the sun leave {part} of the light").into())
 }
 
 fn ground_shadow() -> Outcome {

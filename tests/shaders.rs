@@ -62,7 +62,7 @@ fn structs_lie_in_memory_as_the_shaders_read_them() {
     for source in shader::ALL.iter().filter(|s| s.name != "cull") {
         assert_eq!(layout_of(source, "Frame"), frame, "{}", source.name);
     }
-    let model = members!(Model: centre extent volume_origin volume_scale shadow_rects);
+    let model = members!(Model: centre extent volume_origin volume_scale shadow_rects rig);
     for source in [
         &shader::TREES,
         &shader::GROUNDS,

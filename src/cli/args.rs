@@ -27,6 +27,8 @@ pub(crate) enum Command {
     Evaluate(Evaluate),
     /// Draw a script's tree or a pack: a still, all LODs, a turntable, a contact sheet. Needs no window.
     Render(Render),
+    /// Show a script's tree or a pack in a window; a script is grown again whenever it is saved.
+    Preview(Preview),
 }
 
 #[derive(Debug, ClapArgs)]
@@ -238,7 +240,13 @@ pub(crate) struct Render {
     /// Where the sun stands: degrees about the tree and above the horizon.
     #[arg(long, default_value = "80,48", value_name = "TURN,HEIGHT", value_parser = angles, allow_hyphen_values = true)]
     pub(crate) sun: [f32; 2],
-    /// Pictures of a turntable.
+    /// Wind: metres a second, and the degrees about the tree whither it blows (0 is +Z).
+    #[arg(long, default_value = "0,90", value_name = "SPEED,TURN", value_parser = wind)]
+    pub(crate) wind: [f32; 2],
+    /// Time in the wind, seconds.
+    #[arg(long, default_value_t = 0.0, value_parser = seconds)]
+    pub(crate) time: f32,
+    /// Pictures of a turntable or of trees in the wind.
     #[arg(long, default_value_t = 36, value_parser = clap::value_parser!(u16).range(2..=720))]
     pub(crate) frames: u16,
     /// Leave out sky and ground.
@@ -261,6 +269,27 @@ pub(crate) struct Render {
     pub(crate) force: bool,
 }
 
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Preview {
+    /// Species script or pack folder.
+    #[arg(value_name = "SPECIES|PACK")]
+    pub(crate) path: PathBuf,
+    /// Seed, for a script; its own without.
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Triangle budgets, for a script; without, full detail and the script's own.
+    #[arg(long, value_delimiter = ',')]
+    pub(crate) budgets: Option<Vec<String>>,
+    #[command(flatten)]
+    pub(crate) lods: Lods,
+    /// Edge of the foliage atlas, texels, for a script: a power of two.
+    #[arg(long, default_value_t = 1024)]
+    pub(crate) texture_size: u32,
+    /// Size of the window, such as 1280x800.
+    #[arg(long, default_value = "1280x800", value_parser = size)]
+    pub(crate) size: [u32; 2],
+}
+
 /// What `pleach render` draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum What {
@@ -270,6 +299,8 @@ pub(crate) enum What {
     Strip,
     /// One LOD from all around.
     Turntable,
+    /// One LOD for four seconds in the wind.
+    Sway,
     /// Each tree, side by side in rows.
     Sheet,
     /// The foliage atlas on white.
@@ -367,6 +398,25 @@ fn angles(text: &str) -> Result<[f32; 2], String> {
             Ok([turn, height])
         }
         _ => Err("expected degrees such as 35,5, the second from -90 to 90".to_owned()),
+    }
+}
+
+/// Reads `8,90` or `8`.
+fn wind(text: &str) -> Result<[f32; 2], String> {
+    let (speed, turn) = text.split_once(',').unwrap_or((text, "90"));
+    match (speed.trim().parse(), turn.trim().parse()) {
+        (Ok(speed), Ok(turn)) if (0.0..=100.0).contains(&speed) && f32::is_finite(turn) => {
+            Ok([speed, turn])
+        }
+        _ => Err("expected metres a second from 0 to 100 and degrees, such as 8,90".to_owned()),
+    }
+}
+
+/// Reads seconds; waves lose their precision after some hours.
+fn seconds(text: &str) -> Result<f32, String> {
+    match text.trim().parse() {
+        Ok(time) if (0.0..=10_000.0).contains(&time) => Ok(time),
+        _ => Err("expected seconds from 0 to 10000".to_owned()),
     }
 }
 

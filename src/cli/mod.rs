@@ -6,6 +6,7 @@ mod check;
 mod evaluate;
 mod generate;
 mod inspect;
+mod preview;
 mod progress;
 mod render;
 mod table;
@@ -102,6 +103,7 @@ pub fn main() -> ExitCode {
         args::Command::Check(args) => check::run(args),
         args::Command::Inspect(args) => inspect::run(args),
         args::Command::Render(args) => render::run(args),
+        args::Command::Preview(args) => preview::run(args),
     };
     match result {
         Ok(end) => end.into(),

@@ -5,13 +5,15 @@
 
 mod picture;
 pub mod shader;
+mod upload;
 
 pub use picture::{Readback, read_texture};
+pub use upload::upload;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Features that are used where the adapter has them, and done without elsewhere.
-const WELCOME: wgpu::Features = wgpu::Features::INDIRECT_FIRST_INSTANCE
+pub(crate) const WELCOME: wgpu::Features = wgpu::Features::INDIRECT_FIRST_INSTANCE
     .union(wgpu::Features::TIMESTAMP_QUERY)
     .union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
 

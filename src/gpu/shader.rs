@@ -12,6 +12,7 @@ pub struct Source {
 }
 
 const FRAME: &str = include_str!("../../shaders/frame.wgsl");
+const WIND: &str = include_str!("../../shaders/wind.wgsl");
 const LIGHT: &str = include_str!("../../shaders/light.wgsl");
 const TREE: &str = include_str!("../../shaders/tree.wgsl");
 const GROUND: &str = include_str!("../../shaders/ground.wgsl");
@@ -24,13 +25,13 @@ const PRESENT: &str = include_str!("../../shaders/present.wgsl");
 /// Trees: colour, depth for the shadow map, and the views that show how they are made.
 pub const TREES: Source = Source {
     name: "trees",
-    files: &[FRAME, LIGHT, TREE],
+    files: &[FRAME, LIGHT, WIND, TREE],
 };
 
 /// Sky, ground, and the baked shadows on it.
 pub const GROUNDS: Source = Source {
     name: "ground",
-    files: &[FRAME, LIGHT, GROUND],
+    files: &[FRAME, LIGHT, WIND, GROUND],
 };
 
 /// From linear light to the screen, with the filters.
@@ -42,13 +43,13 @@ pub const PRESENTS: Source = Source {
 /// Trees of a forest.
 pub const FORESTS: Source = Source {
     name: "forest",
-    files: &[FRAME, LIGHT, TREE, FOREST, FOREST_TREES],
+    files: &[FRAME, LIGHT, WIND, TREE, FOREST, FOREST_TREES],
 };
 
 /// Baked shadows of a forest.
 pub const FOREST_GROUNDS: Source = Source {
     name: "ground of a forest",
-    files: &[FRAME, LIGHT, GROUND, FOREST, FOREST_GROUND],
+    files: &[FRAME, LIGHT, WIND, GROUND, FOREST, FOREST_GROUND],
 };
 
 /// Which trees of a forest are drawn.

@@ -105,7 +105,7 @@ const FITTED: [usize; 7] = [3, 4, 6, 8, 12, 16, 24];
 const CLUMPS: [usize; 5] = [2, 4, 8, 16, 32];
 
 /// Most clumps of a whole tree: more would leave each too few texels.
-const MOST_CLUMPS: u64 = 100;
+const MOST_CLUMPS: u64 = 160;
 
 /// Fewest leaf cards of a clump, in the mean.
 const CLUMP_CARDS: u64 = 12;

@@ -15,7 +15,7 @@ pub use template::{Material, Template, TemplateVertex};
 pub use tube::tube;
 
 use crate::math::{Bounds, Vec3};
-use crate::wind::Sway;
+use crate::wind::{Rig, Sway, Wind, displacement};
 
 /// A vertex as every stage, the exporter and the renderer see it: 48 bytes, no padding.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -64,6 +64,20 @@ impl Mesh {
     #[must_use]
     pub fn triangles(&self) -> u64 {
         self.bark.triangles() + self.foliage.triangles()
+    }
+
+    /// The mesh where a wind takes it at a time (see [`displacement`]); what has no sway stays.
+    #[must_use]
+    pub fn in_wind(&self, wind: &Wind, rig: &Rig, time_s: f32, view_axis: Vec3) -> Self {
+        let mut moved = self.clone();
+        for primitive in [&mut moved.bark, &mut moved.foliage] {
+            for (vertex, &sway) in primitive.vertices.iter_mut().zip(&primitive.sway) {
+                let at = Vec3::from(vertex.position);
+                let away = displacement(wind, rig, time_s, at.y, sway, view_axis);
+                vertex.position = (at + away).to_array();
+            }
+        }
+        moved
     }
 
     /// Bounds of both primitives.

@@ -10,6 +10,7 @@ use crate::image::Image;
 use crate::image::png::PngTexel;
 use crate::mesh::Mesh;
 use crate::shadow::{self, ShadowMap, Shadows};
+use crate::wind::Rig;
 use image::ImageDecoder as _;
 use image::codecs::png::PngDecoder;
 use std::fs;
@@ -51,6 +52,12 @@ impl PackContents {
             bark: &self.bark,
             reliefs: &[],
             shadows: &self.shadows,
+            wind: self
+                .manifest
+                .wind
+                .as_ref()
+                .map(Rig::from)
+                .unwrap_or_default(),
         }
     }
 }

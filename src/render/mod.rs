@@ -25,5 +25,5 @@ pub mod uniforms;
 pub use camera::{Camera, Lens, Orbit};
 pub use model::{Lod, Model};
 pub use renderer::{PORTRAIT, Renderer};
-pub use scene::{Filter, Group, LightMode, Scene, Setting, ViewMode, Wind};
+pub use scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
 pub use uniforms::Instance;

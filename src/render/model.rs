@@ -3,11 +3,12 @@
 use super::uniforms;
 use crate::asset::{Drawable, Surface};
 use crate::capture::{ALPHA_CUTOFF, Occlusion};
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Gpu, GpuError, upload};
 use crate::image::{Image, mips};
 use crate::math::{Bounds, Vec3, byte_from_unit, float, floor_to_u32, smoothstep};
 use crate::mesh::{Mesh, Primitive};
 use crate::shadow::{self, ShadowMap};
+use crate::wind::Sway;
 use rayon::prelude::*;
 use wgpu::util::DeviceExt as _;
 
@@ -50,6 +51,8 @@ pub struct Lod {
 #[derive(Debug)]
 pub(super) struct Part {
     pub(super) vertices: wgpu::Buffer,
+    /// How the vertices sway.
+    pub(super) sway: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
     /// Pairs of indices, for the view of edges.
     pub(super) edges: wgpu::Buffer,
@@ -123,13 +126,12 @@ impl Model {
             .fold(Bounds::EMPTY, |all, (mesh, _)| all.union(&mesh.bounds()));
         let volume = Volume::of(shade(source), &bounds);
         let finest = shade(source).bounds();
-        let uniform = gpu
-            .device
-            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("model"),
-                contents: bytemuck::bytes_of(&uniform(source, &volume)),
-                usage: wgpu::BufferUsages::UNIFORM,
-            });
+        let uniform = upload(
+            gpu,
+            "model",
+            bytemuck::bytes_of(&uniform(source, &volume)),
+            wgpu::BufferUsages::UNIFORM,
+        );
         let smooth = sampler(gpu, wgpu::AddressMode::ClampToEdge);
         let [a, b, c] = volume.views(gpu);
         let view = wgpu::BindingResource::TextureView;
@@ -268,18 +270,23 @@ impl Part {
             if size > limit {
                 return Err(GpuError::TooLarge { what, size, limit });
             }
-            Ok(gpu
-                .device
-                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some(what),
-                    contents,
-                    usage,
-                }))
+            Ok(upload(gpu, what, contents, usage))
         };
         let vertices = bytemuck::cast_slice(&primitive.vertices);
+        let still = vec![Sway::default(); primitive.vertices.len()];
+        let sway = if primitive.sway.len() == primitive.vertices.len() {
+            &primitive.sway
+        } else {
+            &still
+        };
         let indices = bytemuck::cast_slice(&primitive.indices);
         Ok(Some(Self {
             vertices: buffer("a vertex buffer", vertices, wgpu::BufferUsages::VERTEX)?,
+            sway: buffer(
+                "a vertex buffer",
+                bytemuck::cast_slice(sway),
+                wgpu::BufferUsages::VERTEX,
+            )?,
             indices: buffer("an index buffer", indices, wgpu::BufferUsages::INDEX)?,
             edges: buffer(
                 "an index buffer",
@@ -320,6 +327,7 @@ fn uniform(source: &Drawable<'_>, volume: &Volume) -> uniforms::Model {
         volume_origin: volume.bounds.min.extend(0.0).to_array(),
         volume_scale: (1.0 / volume.bounds.size()).extend(0.0).to_array(),
         shadow_rects,
+        rig: source.wind,
     }
 }
 

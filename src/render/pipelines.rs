@@ -7,6 +7,7 @@ use super::targets::{DEPTH, GROUND, LIGHT};
 use super::uniforms::Instance;
 use crate::gpu::shader;
 use crate::mesh::Vertex;
+use crate::wind::Sway;
 use core::mem::offset_of;
 use wgpu::{VertexAttribute, VertexFormat, VertexStepMode};
 
@@ -48,6 +49,11 @@ const VERTEX: [VertexAttribute; 4] = [
     attribute(3, offset_of!(Vertex, uv), VertexFormat::Float32x2),
 ];
 
+const SWAY: [VertexAttribute; 2] = [
+    attribute(4, offset_of!(Sway, wind), VertexFormat::Unorm8x4),
+    attribute(5, offset_of!(Sway, leaf), VertexFormat::Snorm8x4),
+];
+
 const INSTANCE: [VertexAttribute; 4] = [
     attribute(6, offset_of!(Instance, place), VertexFormat::Float32x4),
     attribute(7, offset_of!(Instance, turn), VertexFormat::Float32x4),
@@ -68,6 +74,14 @@ fn vertices() -> wgpu::VertexBufferLayout<'static> {
         array_stride: size_of::<Vertex>() as u64,
         step_mode: VertexStepMode::Vertex,
         attributes: &VERTEX,
+    }
+}
+
+fn sways() -> wgpu::VertexBufferLayout<'static> {
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<Sway>() as u64,
+        step_mode: VertexStepMode::Vertex,
+        attributes: &SWAY,
     }
 }
 
@@ -218,7 +232,7 @@ impl Pipelines {
         let trees = shader::TREES.module(device);
         let ground = shader::GROUNDS.module(device);
         let present = shader::PRESENTS.module(device);
-        let tree_buffers = [Some(vertices()), Some(instances())];
+        let tree_buffers = [Some(vertices()), Some(sways()), Some(instances())];
         let lit = [&frame, &layouts.model, &layouts.material];
         let tree = |label, fragment| Recipe {
             buffers: &tree_buffers,
@@ -301,7 +315,7 @@ impl Pipelines {
         let Layouts {
             model, material, ..
         } = &self.layouts;
-        let buffers = [Some(vertices())];
+        let buffers = [Some(vertices()), Some(sways())];
         let lit = [&self.frame, model, material, forest];
         let tree = |label, fragment| Recipe {
             buffers: &buffers,

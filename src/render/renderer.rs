@@ -5,15 +5,14 @@ use super::camera::Lens;
 use super::forest::{Forest, Woods};
 use super::model::{Lod, Model, Part, extent};
 use super::pipelines::Pipelines;
-use super::scene::{Filter, Group, LightMode, Scene, ViewMode};
+use super::scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
 use super::targets::{DEPTH, Targets};
 use super::uniforms::{Frame, Instance};
 use crate::asset::Drawable;
-use crate::gpu::{Gpu, GpuError, Readback};
+use crate::gpu::{Gpu, GpuError, Readback, upload};
 use crate::image::Image;
 use crate::math::{Bounds, PI, Vec3, float};
 use glam::{Mat4, Vec4};
-use wgpu::util::DeviceExt as _;
 
 /// Samples of a pixel.
 pub(super) const SAMPLES: u32 = 4;
@@ -43,6 +42,8 @@ pub struct Renderer {
     targets: Option<Targets>,
     frame: wgpu::Buffer,
     shadow_map: wgpu::TextureView,
+    /// What the shadow map shows, so that a camera that moves alone does not draw it again.
+    cast: Option<Cast>,
     frame_group: wgpu::BindGroup,
     cast_group: wgpu::BindGroup,
     sampler: wgpu::Sampler,
@@ -112,6 +113,7 @@ impl Renderer {
             targets: None,
             frame,
             shadow_map,
+            cast: None,
             frame_group,
             cast_group,
             sampler,
@@ -126,12 +128,30 @@ impl Renderer {
     pub fn add(&mut self, source: &Drawable<'_>) -> Result<usize, GpuError> {
         let model = Model::new(&self.gpu, &self.pipelines.layouts, source)?;
         self.gpu.check()?;
+        self.cast = None;
         self.models.push(model);
         Ok(self.models.len() - 1)
     }
 
+    /// Puts a tree in the place of another one, which stays if the adapter cannot take the new one; adds it if
+    /// there is none at that index.
+    ///
+    /// # Errors
+    /// If the adapter cannot take it.
+    pub fn replace(&mut self, index: usize, source: &Drawable<'_>) -> Result<(), GpuError> {
+        let model = Model::new(&self.gpu, &self.pipelines.layouts, source)?;
+        self.gpu.check()?;
+        self.cast = None;
+        match self.models.get_mut(index) {
+            Some(old) => *old = model,
+            None => self.models.push(model),
+        }
+        Ok(())
+    }
+
     /// Forgets all trees.
     pub fn clear(&mut self) {
+        self.cast = None;
         self.models.clear();
     }
 
@@ -179,7 +199,8 @@ impl Renderer {
         readback.wait(&self.gpu)
     }
 
-    /// The commands that draw a scene into a picture of this size; to be submitted. Nothing is drawn into a
+    /// The commands that draw a scene into a picture of this size; to be submitted, each and in order: a shadow
+    /// map that is as it was is not drawn again. Nothing is drawn into a
     /// picture without pixels, as a window without height has one.
     ///
     /// # Errors
@@ -224,13 +245,20 @@ impl Renderer {
         self.gpu
             .queue
             .write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
+        let cast = Cast::of(scene, &uniforms);
+        let is_known = forest.is_none() && self.cast.as_ref() == Some(&cast);
+        let stale = scene.setting.shadow_map && !is_known;
         let drawn = self.drawn(scene);
-        if scene.setting.shadow_map {
+        if stale {
             self.cast(&mut encoder, &drawn, forest);
         }
         self.backdrop(&mut encoder, &targets, scene, &drawn, forest);
         self.trees(&mut encoder, &targets, scene.view, &drawn, forest);
         self.present(&mut encoder, &targets, output);
+        drop(drawn);
+        if stale {
+            self.cast = forest.is_none().then_some(cast);
+        }
         self.targets = Some(targets);
         Ok(encoder)
     }
@@ -247,14 +275,12 @@ impl Renderer {
             for tree in &mut trees {
                 tree.marks[..2].copy_from_slice(&[index, lod.crisp]);
             }
-            let instances = self
-                .gpu
-                .device
-                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some("trees"),
-                    contents: bytemuck::cast_slice(&trees),
-                    usage: wgpu::BufferUsages::VERTEX,
-                });
+            let instances = upload(
+                &self.gpu,
+                "trees",
+                bytemuck::cast_slice(&trees),
+                wgpu::BufferUsages::VERTEX,
+            );
             Some(Drawn {
                 model,
                 lod,
@@ -305,7 +331,7 @@ impl Renderer {
                 .ground
                 .extend(if setting.backdrop { 1.0 } else { 0.0 })
                 .to_array(),
-            wind: [wind.x, wind.y, scene.wind.speed, scene.wind.gustiness],
+            wind: [wind.x, wind.y, scene.wind.speed_m_s, scene.wind.gustiness],
             clock: [
                 scene.time,
                 float(SAMPLES),
@@ -317,7 +343,7 @@ impl Renderer {
                 light_code(setting.light),
                 view_code(scene.view),
                 filter_code(scene.filter),
-                0,
+                flags(setting),
             ],
         }
     }
@@ -508,6 +534,27 @@ impl Renderer {
     }
 }
 
+/// What decides a shadow map.
+#[derive(Clone, Debug, PartialEq)]
+struct Cast {
+    light: [[f32; 4]; 4],
+    groups: Vec<Group>,
+    /// Wind and time, where a wind blows.
+    blown: Option<([f32; 4], f32)>,
+    leaves_face_sun: bool,
+}
+
+impl Cast {
+    fn of(scene: &Scene, frame: &Frame) -> Self {
+        Self {
+            light: frame.light_projection,
+            groups: scene.groups.clone(),
+            blown: (scene.wind.speed_m_s != 0.0).then_some((frame.wind, scene.time)),
+            leaves_face_sun: scene.setting.leaves_face_sun,
+        }
+    }
+}
+
 /// A group ready to be drawn.
 struct Drawn<'s> {
     model: &'s Model,
@@ -521,7 +568,8 @@ impl Drawn<'_> {
         pass.set_bind_group(1, &self.model.group, &[]);
         pass.set_bind_group(2, material, &[]);
         pass.set_vertex_buffer(0, part.vertices.slice(..));
-        pass.set_vertex_buffer(1, self.instances.slice(..));
+        pass.set_vertex_buffer(1, part.sway.slice(..));
+        pass.set_vertex_buffer(2, self.instances.slice(..));
     }
 
     fn draw(
@@ -623,6 +671,10 @@ fn light_code(mode: LightMode) -> u32 {
     }
 }
 
+fn flags(setting: &Setting) -> u32 {
+    u32::from(setting.leaves_face_sun)
+}
+
 fn view_code(view: ViewMode) -> u32 {
     match view {
         ViewMode::Lit => 0,
@@ -649,8 +701,8 @@ impl Scene {
     pub fn of_one(camera: super::camera::Camera, model: usize, lod: usize) -> Self {
         Self {
             camera,
-            setting: super::scene::Setting::default(),
-            wind: super::scene::Wind::default(),
+            setting: Setting::default(),
+            wind: CALM,
             time: 0.0,
             view: ViewMode::Lit,
             filter: Filter::None,

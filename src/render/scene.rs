@@ -3,6 +3,7 @@
 use super::camera::Camera;
 use super::uniforms::Instance;
 use crate::math::{Vec2, Vec3};
+use crate::wind::Wind;
 
 /// Light, air and ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,9 @@ pub struct Setting {
     pub ground_shadows: f32,
     /// True to shade the trees by a shadow map; else their light volumes do it.
     pub shadow_map: bool,
+    /// True to turn leaves to the sun in the shadow map (Candussi et al., section 2.1), which makes crowns
+    /// denser in it than they are; false to leave them as they hang.
+    pub leaves_face_sun: bool,
     /// Albedo of the ground, linear.
     pub ground: Vec3,
     /// False for trees alone, on nothing.
@@ -43,6 +47,7 @@ impl Default for Setting {
             translucency: 1.0,
             ground_shadows: 0.9,
             shadow_map: true,
+            leaves_face_sun: false,
             ground: Vec3::new(0.075, 0.098, 0.034),
             backdrop: true,
         }
@@ -91,26 +96,12 @@ pub enum Filter {
     Combined,
 }
 
-/// Air that moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wind {
-    /// Where it blows to, on the ground (x, z); need not be unit.
-    pub direction: Vec2,
-    /// Metres a second.
-    pub speed: f32,
-    /// 0 for a steady wind, 1 for one that comes in gusts.
-    pub gustiness: f32,
-}
-
-impl Default for Wind {
-    fn default() -> Self {
-        Self {
-            direction: Vec2::new(1.0, 0.3),
-            speed: 0.0,
-            gustiness: 0.6,
-        }
-    }
-}
+/// No wind; it would blow along +X.
+pub const CALM: Wind = Wind {
+    direction: Vec2::X,
+    speed_m_s: 0.0,
+    gustiness: 0.7,
+};
 
 /// One frame.
 #[derive(Clone, Debug, PartialEq)]

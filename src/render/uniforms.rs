@@ -1,5 +1,6 @@
 //! Structs that the shaders read, member by member as in `shaders/frame.wgsl` and `shaders/tree.wgsl`.
 
+use crate::wind::Rig;
 use bytemuck::{Pod, Zeroable};
 
 /// `Frame` of `frame.wgsl`, which says what each member means.
@@ -35,6 +36,7 @@ pub struct Model {
     pub volume_origin: [f32; 4],
     pub volume_scale: [f32; 4],
     pub shadow_rects: [[f32; 4]; 9],
+    pub rig: Rig,
 }
 
 /// One tree: `Instance` of `tree.wgsl`.

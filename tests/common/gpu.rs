@@ -1,8 +1,6 @@
-//! What the tests that draw share: the adapter, and a tree that costs little.
+//! What the tests that draw share: a tree that costs little, and how pictures are compared.
 
-use libtest_mimic::{Arguments, Failed, Trial};
 use pleach::asset::TreeAsset;
-use pleach::gpu::Gpu;
 use pleach::image::Image;
 use pleach::measure::flip;
 use pleach::pipeline::{self, Settings};
@@ -10,46 +8,7 @@ use pleach::report::Quiet;
 use pleach::species::{self, Beside};
 use pleach::{capture, shadow};
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::OnceLock;
-
-pub(crate) type Outcome = Result<(), Failed>;
-pub(crate) type Test = (&'static str, fn() -> Outcome);
-
-/// Runs tests that need a graphics adapter. Without one they show as ignored; with `PLEACH_REQUIRE_GPU=1` they
-/// fail.
-pub(crate) fn run(tests: &[Test]) -> ExitCode {
-    let arguments = Arguments::from_args();
-    let adapter = Gpu::headless();
-    let required = std::env::var_os("PLEACH_REQUIRE_GPU").is_some();
-    let reason = match &adapter {
-        Ok(gpu) => {
-            eprintln!("drawing with {}", gpu.describe());
-            None
-        }
-        Err(error) => {
-            eprintln!("{error}");
-            Some(error.to_string())
-        }
-    };
-    let trials = tests
-        .iter()
-        .map(|&(name, test)| {
-            let trial = match (&reason, required) {
-                (Some(reason), true) => {
-                    let reason = reason.clone();
-                    Trial::test(name, move || Err(reason.into()))
-                }
-                _ => Trial::test(name, test),
-            };
-            let ignored = reason.is_some() && !required;
-            trial
-                .with_kind(if ignored { "no graphics adapter" } else { "" })
-                .with_ignored_flag(ignored)
-        })
-        .collect();
-    libtest_mimic::run(&arguments, trials).exit_code()
-}
 
 pub(crate) fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))

@@ -4,6 +4,8 @@
 #![allow(dead_code, reason = "each test file uses its own part of it")]
 
 #[cfg(feature = "gpu")]
+pub(crate) mod adapter;
+#[cfg(feature = "gpu")]
 pub(crate) mod gpu;
 
 use std::path::{Path, PathBuf};

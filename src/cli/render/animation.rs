@@ -1,12 +1,12 @@
-//! Turntables: an animated PNG, a GIF, or a sequence of PNGs.
+//! Turntables and trees in the wind: an animated PNG, a GIF, or a sequence of PNGs.
 
 use super::super::Failure;
 use super::super::args::{Render, What};
 use crate::image::{Image, png};
 use std::path::{Path, PathBuf};
 
-/// Milliseconds that a turntable takes for one turn.
-const TURN_MS: u32 = 4000;
+/// Milliseconds that a turntable takes for one turn, and that a tree is seen in the wind.
+pub(super) const TURN_MS: u16 = 4000;
 
 /// How frames are put together, by the name of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ fn kind(path: &Path) -> Option<Kind> {
 pub(super) fn check(args: &Render) -> Result<(), Failure> {
     let found = kind(&args.out);
     let fits = match args.what {
-        What::Turntable => found.is_some(),
+        What::Turntable | What::Sway => found.is_some(),
         _ => found == Some(Kind::Png),
     };
     if fits {
@@ -41,7 +41,7 @@ pub(super) fn check(args: &Render) -> Result<(), Failure> {
         "--out: {} names no format; expected a name that ends in .png{}",
         args.out.display(),
         match args.what {
-            What::Turntable => ", .gif, or %d.png for numbered pictures",
+            What::Turntable | What::Sway => ", .gif, or %d.png for numbered pictures",
             _ => "",
         }
     )))
@@ -82,7 +82,7 @@ fn numbered(path: &Path, index: u16) -> PathBuf {
 /// Milliseconds of one of so many frames.
 fn delay(frames: usize) -> u16 {
     let frames = u32::try_from(frames).unwrap_or(1).max(1);
-    u16::try_from((TURN_MS / frames).max(20)).unwrap_or(u16::MAX)
+    u16::try_from((u32::from(TURN_MS) / frames).max(20)).unwrap_or(u16::MAX)
 }
 
 fn apng(frames: &[Image<[u8; 4]>]) -> Result<Vec<u8>, Failure> {

@@ -25,7 +25,7 @@ pub(crate) fn run(args: &Render) -> Result<End, Failure> {
     match args.what {
         What::Atlas => save(args, &on_white(&trees[0].drawable()))?,
         What::Rose => save(args, &rose(trees[0].drawable().shadows))?,
-        What::Still | What::Strip | What::Sheet | What::Turntable => {
+        What::Still | What::Strip | What::Sheet | What::Turntable | What::Sway => {
             draw(args, &trees, &mut painter::brush(args)?)?;
         }
         What::Forest => {
@@ -148,12 +148,16 @@ fn draw(args: &Render, trees: &[Subject], brush: &mut Brush) -> Result<(), Failu
                 .collect();
             save(args, &rows(&pictures?, columns(trees.len())))
         }
-        What::Turntable => {
+        What::Turntable | What::Sway => {
             let lod = first.lod(args)?;
             let drawable = first.drawable();
             let mut frame = |index: u16| {
                 let mut shot = Shot::of(args, lod);
-                shot.camera[0] += f32::from(index) / f32::from(args.frames) * 360.0;
+                let part = f32::from(index) / f32::from(args.frames);
+                shot.time += part * f32::from(animation::TURN_MS) * 1e-3;
+                if args.what == What::Turntable {
+                    shot.camera[0] += part * 360.0;
+                }
                 brush.paint(&drawable, &shot)
             };
             animation::write(args, &mut frame)

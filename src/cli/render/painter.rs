@@ -4,8 +4,13 @@ use super::super::Failure;
 use super::super::args::{Blend, Light, Painter, Render, Show};
 use crate::asset::Drawable;
 use crate::image::Image;
-use crate::math::Vec3;
+use crate::math::{Vec2, Vec3};
+use crate::mesh::Mesh;
 use crate::preview;
+use crate::wind::Wind;
+
+/// How gusty winds are that nobody says more of.
+const GUSTINESS: f32 = 0.7;
 
 /// One picture that is wanted.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +20,10 @@ pub(super) struct Shot {
     /// Degrees about the tree and above the horizon.
     pub(super) camera: [f32; 2],
     sun: [f32; 2],
+    /// Metres a second, degrees whither it blows.
+    wind: [f32; 2],
+    /// Seconds.
+    pub(super) time: f32,
     #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "for the GPU alone"))]
     look: Look,
 }
@@ -53,7 +62,19 @@ impl Shot {
             lod,
             camera: args.camera,
             sun: args.sun,
+            wind: args.wind,
+            time: args.time,
             look: Look::of(args),
+        }
+    }
+
+    fn wind(self) -> Wind {
+        let [speed_m_s, turn] = self.wind;
+        let (x, z) = libm::sincosf(turn.to_radians());
+        Wind {
+            direction: Vec2::new(x, z),
+            speed_m_s,
+            gustiness: GUSTINESS,
         }
     }
 
@@ -134,7 +155,18 @@ impl Brush {
                     sun: shot.to_sun(),
                     ..preview::Settings::default()
                 };
-                let picture = preview::picture(tree, &settings);
+                let moved = blown(tree, shot);
+                let picture = match &moved {
+                    None => preview::picture(tree, &settings),
+                    // The tree at rest comes first: it says what the picture frames.
+                    Some(mesh) => preview::picture(
+                        &Drawable {
+                            lods: vec![tree.lods[0], (mesh, tree.lods[shot.lod].1)],
+                            ..tree.clone()
+                        },
+                        &preview::Settings { lod: 1, ..settings },
+                    ),
+                };
                 Ok(picture.map(|&[r, g, b]| [r, g, b, 255]))
             }
         }
@@ -166,6 +198,16 @@ impl Brush {
             brush.forget();
         }
     }
+}
+
+/// A LOD's mesh in the wind; `None` in a calm.
+fn blown(tree: &Drawable<'_>, shot: &Shot) -> Option<Mesh> {
+    let wind = shot.wind();
+    let [turn, height] = shot.camera;
+    (wind.speed_m_s > 0.0).then(|| {
+        let (mesh, _) = tree.lods[shot.lod];
+        mesh.in_wind(&wind, &tree.wind, shot.time, -toward([turn, height]))
+    })
 }
 
 #[cfg(feature = "gpu")]
@@ -231,8 +273,11 @@ pub(super) mod gpu {
                 Light::Product => LightMode::Product,
                 Light::FourFactors => LightMode::FourFactors,
             },
+            leaves_face_sun: shot.look.light == Light::FourFactors,
             ..Setting::default()
         };
+        scene.wind = shot.wind();
+        scene.time = shot.time;
         scene.view = match shot.look.view {
             Show::Lit => ViewMode::Lit,
             Show::Lods => ViewMode::Lods,

@@ -3,11 +3,10 @@
 use super::draw::Woods;
 use super::plan::{Bin, Cull, Kind, MAX_MODELS, Plan, Use, index};
 use super::{ForestTree, Lists};
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Gpu, GpuError, upload};
 use crate::render::binding::group;
 use bytemuck::{Pod, Zeroable};
 use wgpu::BufferUsages;
-use wgpu::util::DeviceExt as _;
 
 /// Bytes of the arguments of a draw call with indices; one without leaves the last four unused.
 const CALL: u64 = 20;
@@ -49,13 +48,7 @@ impl Device {
         crisp: &dyn Fn(&Bin) -> f32,
     ) -> Self {
         let device = &gpu.device;
-        let filled = |label, contents: &[u8], usage| {
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some(label),
-                contents,
-                usage,
-            })
-        };
+        let filled = |label, contents: &[u8], usage| upload(gpu, label, contents, usage);
         let empty = |label, words: usize, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),

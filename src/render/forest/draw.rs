@@ -24,7 +24,7 @@ pub(in crate::render) struct Woods {
 }
 
 /// Bits of `Frame::modes[3]`, as in `frame.wgsl`.
-const FLAG_AIR: u32 = 1;
+const FLAG_AIR: u32 = 2;
 
 impl Woods {
     fn new(renderer: &Renderer) -> Self {
@@ -270,6 +270,7 @@ impl Forest {
             (&part.indices, part.count)
         };
         pass.set_vertex_buffer(0, part.vertices.slice(..));
+        pass.set_vertex_buffer(1, part.sway.slice(..));
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         match self.each(bin) {
             Some(trees) => {

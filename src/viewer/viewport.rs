@@ -1,0 +1,420 @@
+//! The view of a tree, to be put into any egui window: its camera, what the mouse does in it, how fine it is
+//! drawn, and what is written over it.
+
+use super::canvas::Canvas;
+use super::keys;
+use super::level::Choice;
+use super::pace::{Frames, Pace, Quality, REST};
+use super::rig::{Rig, Stance, Steps};
+use super::settings::{Arrangement, Settings};
+use super::stage::{Cast, Shown, Stage};
+use super::subject::Subject;
+use crate::gpu::GpuError;
+use crate::image::Image;
+use crate::math::{TAU, Vec3, float, round_to_u32};
+use crate::render::{Camera, Scene};
+use eframe::egui::{self, Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2};
+use eframe::egui_wgpu::RenderState;
+use std::time::Duration;
+
+/// Radians a second of the turntable.
+const TURNTABLE: f32 = 0.45;
+
+/// Zoom of one point of scrolling, as the logarithm of a factor.
+const SCROLL: f32 = 0.0022;
+
+/// Longest time that passes for what is animated, seconds: after a slow frame things go on and do not jump.
+const LONGEST: f32 = 0.25;
+
+/// Height of the camera over the horizon, radians, where a strip and a forest are framed.
+const STRIP_ELEVATION: f32 = 0.05;
+const FOREST_ELEVATION: f32 = 0.2;
+
+/// A view and its camera.
+#[derive(Debug)]
+pub struct Viewport {
+    canvas: Canvas,
+    stage: Stage,
+    pace: Pace,
+    /// Times of the last frames.
+    pub frames: Frames,
+    /// The camera.
+    pub rig: Rig,
+    /// What was drawn last.
+    pub shown: Shown,
+    /// How fine it was drawn.
+    pub quality: Quality,
+    /// Size of the view in pixels.
+    pub size: [u32; 2],
+    /// What of the settings decides how long a picture takes.
+    costly: Option<Costly>,
+    /// Azimuth and elevation from which one tree was seen last.
+    angles: [f32; 2],
+    /// True until the tree that has come first is framed.
+    unframed: bool,
+    /// What decides the picture, as it was in the frame before.
+    last: Option<(Rig, Settings, [u32; 2])>,
+    /// When something moved last, seconds of the window's clock; none if it never did.
+    moved: Option<f64>,
+    /// When the frame before was begun, if something moved then.
+    before: Option<f64>,
+}
+
+type Costly = (Arrangement, Choice);
+
+impl Viewport {
+    /// A view without a tree.
+    ///
+    /// # Errors
+    /// What the driver says.
+    pub fn new(state: &RenderState) -> Result<Self, GpuError> {
+        Ok(Self {
+            canvas: Canvas::new(state)?,
+            stage: Stage::default(),
+            pace: Pace::default(),
+            frames: Frames::default(),
+            rig: Rig::around(&[Vec3::ZERO, Vec3::Y * 5.0], 1.0),
+            shown: Shown::default(),
+            quality: Quality::FULL,
+            size: [0, 0],
+            costly: None,
+            angles: [0.0; 2],
+            unframed: true,
+            last: None,
+            moved: None,
+            before: None,
+        })
+    }
+
+    /// Name and driver of the adapter.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        self.canvas.describe()
+    }
+
+    /// Shows this tree from now on. If the adapter cannot take it, the one before stays. The camera stays, but
+    /// for the first tree, which is framed.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn show(&mut self, subject: &Subject) -> Result<(), GpuError> {
+        self.canvas.show(subject)?;
+        self.pace.forget();
+        Ok(())
+    }
+
+    /// Keeps a camera that was used before the view was made anew.
+    pub fn keep(&mut self, rig: Rig) {
+        self.rig = rig;
+        self.unframed = false;
+    }
+
+    /// Takes the camera to where another arrangement is best seen from: straight before a strip, and from some
+    /// height over a forest. One tree is seen again as it was.
+    pub fn arrange(&mut self, from: Arrangement, subject: &Subject, settings: &Settings) {
+        let orbit = &mut self.rig.orbit;
+        if from == Arrangement::Single {
+            self.angles = [orbit.azimuth, orbit.elevation];
+        }
+        [orbit.azimuth, orbit.elevation] = match settings.arrangement {
+            Arrangement::Single => self.angles,
+            Arrangement::Strip => [0.0, STRIP_ELEVATION],
+            Arrangement::Forest => [self.angles[0], FOREST_ELEVATION],
+        };
+        self.frame(subject, settings);
+    }
+
+    /// Shows all of what stands in the picture.
+    pub fn frame(&mut self, subject: &Subject, settings: &Settings) {
+        let cast = cast(subject);
+        let points = self.stage.frame(&cast, settings, self.canvas.hull());
+        self.rig.frame(&points, aspect(self.size));
+    }
+
+    /// What the driver told since the last call.
+    ///
+    /// # Errors
+    /// That.
+    pub fn check(&self) -> Result<(), GpuError> {
+        self.canvas.check()
+    }
+
+    /// The view as a picture to keep, with all its pixels and LODs as they are at rest.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn still(
+        &mut self,
+        subject: &Subject,
+        settings: &Settings,
+    ) -> Result<Image<[u8; 4]>, GpuError> {
+        let (scene, _) = self
+            .stage
+            .scene(&cast(subject), settings, self.rig.camera(), 0);
+        let size = self.canvas.fitting(self.size.map(|edge| edge.max(1)));
+        self.canvas.still(&scene, size)
+    }
+
+    /// The scene that is shown at rest.
+    pub fn scene(&mut self, subject: &Subject, settings: &Settings) -> Scene {
+        let camera = self.rig.camera();
+        self.stage.scene(&cast(subject), settings, camera, 0).0
+    }
+
+    /// Takes the device away, as a driver that gives up does: to see what becomes of the window.
+    pub fn destroy_device(&self) {
+        self.canvas.destroy_device();
+    }
+
+    /// Takes all the room that is left, follows mouse and keys, and draws. Without a tree it is empty.
+    ///
+    /// # Errors
+    /// If the device fails; the picture before stays.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        settings: &mut Settings,
+        subject: Option<&Subject>,
+    ) -> Result<Response, GpuError> {
+        let room = ui.available_size();
+        let (rect, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
+        let scale = ui.ctx().pixels_per_point();
+        self.size = [rect.width(), rect.height()].map(|edge| round_to_u32((edge * scale).max(0.0)));
+        let name = subject.map_or("no tree yet", |s| s.name.as_str());
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Canvas, true, format!("View of {name}"))
+        });
+        let Some(subject) = subject else {
+            ui.painter().rect_filled(rect, 0.0, Color32::from_gray(24));
+            return Ok(response);
+        };
+        if self.unframed && !self.size.contains(&0) {
+            self.unframed = false;
+            self.frame(subject, settings);
+        }
+        if response.double_clicked() {
+            self.frame(subject, settings);
+        }
+        self.follow(ui, &response, settings);
+        let drawn = self.draw(ui, settings, subject);
+        if let Some(id) = self.canvas.picture() {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(id, rect, whole, Color32::WHITE);
+        }
+        self.label_strip(ui, rect, settings, subject);
+        drawn?;
+        Ok(response)
+    }
+
+    /// Mouse, held keys and clocks.
+    fn follow(&mut self, ui: &Ui, response: &Response, settings: &mut Settings) {
+        let drag = response.drag_delta() / response.rect.height().max(1.0);
+        let ctrl = ui.input(|i| i.modifiers.command);
+        if response.dragged_by(PointerButton::Primary) && ctrl {
+            let forward = self.rig.camera().forward();
+            settings.sun.drag(drag.x, -drag.y, forward);
+        } else if response.dragged_by(PointerButton::Primary) {
+            self.rig.turn(drag.x, drag.y);
+        } else if response.dragged() {
+            self.rig.pan(drag.x, drag.y);
+        }
+        if response.contains_pointer() {
+            let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+            if scroll != 0.0 || pinch != 1.0 {
+                self.rig
+                    .zoom(libm::expf(-scroll * SCROLL) / pinch.max(0.01));
+            }
+        }
+        let seconds = ui.input(|i| i.stable_dt).min(LONGEST);
+        let steps = steps(ui);
+        self.rig.walk(steps, seconds);
+        let turns = settings.turntable && self.rig.stance == Stance::Orbit;
+        if turns {
+            let azimuth = &mut self.rig.orbit.azimuth;
+            *azimuth = libm::fmodf(*azimuth + TURNTABLE * seconds, TAU);
+        }
+        let blows = settings.breeze.moves();
+        if blows {
+            settings.breeze.time += seconds;
+        }
+        if steps.any() || turns || blows {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    /// True if the picture is another than in the frame before.
+    fn moves(&mut self, settings: &Settings) -> bool {
+        let settings = Settings {
+            help: false,
+            panel: false,
+            ..*settings
+        };
+        let now = (self.rig, settings, self.size);
+        self.last.replace(now) != Some(now)
+    }
+
+    /// Draws what is to be seen, as fine as there is time for, unless it is there already.
+    fn draw(&mut self, ui: &Ui, settings: &Settings, subject: &Subject) -> Result<(), GpuError> {
+        let now = ui.input(|i| i.time);
+        let moves = self.moves(settings);
+        if moves {
+            self.moved = Some(now);
+        }
+        let resting = self.moved.map_or(f64::MAX, |moved| now - moved);
+        let hurried = resting < REST && settings.adapt;
+        if hurried {
+            let left = Duration::from_secs_f64(REST - resting);
+            ui.ctx().request_repaint_after(left);
+        }
+        let costly = (settings.arrangement, settings.choice);
+        if self.costly.replace(costly) != Some(costly) {
+            self.pace.forget();
+        }
+        let most = match costly {
+            (Arrangement::Strip, _) | (_, Choice::Fixed(_)) => 0,
+            _ => subject.lods.len().saturating_sub(1),
+        };
+        let wanted = if hurried && !moves {
+            self.quality
+        } else {
+            self.pace.quality(hurried, most)
+        };
+        let (scene, shown) =
+            self.stage
+                .scene(&cast(subject), settings, self.rig.camera(), wanted.coarser);
+        let size = self.canvas.fitting(scaled(self.size, wanted.factor));
+        if let Some(seconds) = self.canvas.draw(&scene, size)? {
+            self.pace.observe(wanted, seconds);
+            (self.shown, self.quality) = (shown, wanted);
+            let whole = self.before.filter(|_| moves).map(|before| now - before);
+            #[expect(clippy::cast_possible_truncation, reason = "a frame's time")]
+            self.frames.add(whole.map_or(seconds, |s| s as f32));
+        }
+        self.before = moves.then_some(now);
+        Ok(())
+    }
+
+    /// Writes under each tree of a strip which LOD it is.
+    fn label_strip(&mut self, ui: &Ui, rect: Rect, settings: &Settings, subject: &Subject) {
+        let places = self.stage.strip_places(&cast(subject), settings);
+        let camera = self.rig.camera();
+        for (index, (place, lod)) in places.iter().zip(&subject.lods).enumerate() {
+            if let Some(at) = on_screen(&camera, rect, *place) {
+                let text = format!("LOD {index}\n{} triangles", grouped(lod.triangles));
+                write(ui, at + vec2(0.0, 10.0), egui::Align2::CENTER_TOP, &text);
+            }
+        }
+    }
+}
+
+/// What a stage must know of a tree.
+fn cast(subject: &Subject) -> Cast<'_> {
+    Cast {
+        lods: &subject.lods,
+        bounds: subject.bounds,
+    }
+}
+
+fn aspect([width, height]: [u32; 2]) -> f32 {
+    (float(width.max(1)) / float(height.max(1))).clamp(0.05, 20.0)
+}
+
+fn scaled(size: [u32; 2], factor: f32) -> [u32; 2] {
+    size.map(|edge| match edge {
+        0 => 0,
+        _ => round_to_u32(float(edge) * factor).max(1),
+    })
+}
+
+/// Which keys of walking are held.
+fn steps(ui: &Ui) -> Steps {
+    if ui.ctx().egui_wants_keyboard_input() {
+        return Steps::default();
+    }
+    ui.input(|input| {
+        let mut steps = Steps {
+            hurry: input.modifiers.shift,
+            ..Steps::default()
+        };
+        for (key, [aside, ahead]) in keys::WALKING {
+            if input.key_down(key) && !input.modifiers.command {
+                steps.aside += aside;
+                steps.ahead += ahead;
+            }
+        }
+        steps
+    })
+}
+
+/// Where a point of the world is seen, if it is before the camera.
+fn on_screen(camera: &Camera, rect: Rect, point: Vec3) -> Option<Pos2> {
+    if (point - camera.eye).dot(camera.forward()) <= 0.0 {
+        return None;
+    }
+    let projection = camera.view_projection(rect.width() / rect.height().max(1.0));
+    let clip = projection.project_point3(point);
+    let at = rect.center() + vec2(clip.x * rect.width() * 0.5, -clip.y * rect.height() * 0.5);
+    rect.contains(at).then_some(at)
+}
+
+/// Text that can be read over any picture.
+pub(super) fn write(ui: &Ui, at: Pos2, align: egui::Align2, text: &str) {
+    let font = egui::FontId::proportional(13.0);
+    let painter = ui.painter();
+    let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+    let rect = align.anchor_size(at, galley.size());
+    painter.rect_filled(rect.expand(4.0), 4.0, Color32::from_black_alpha(140));
+    painter.galley(rect.min, galley, Color32::WHITE);
+}
+
+/// A number with its digits in groups of three.
+pub(super) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut out = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped() {
+        for (number, expected) in [
+            (0, "0"),
+            (999, "999"),
+            (1000, "1,000"),
+            (1234567, "1,234,567"),
+        ] {
+            assert_eq!(grouped(number), expected);
+        }
+    }
+
+    #[test]
+    fn a_point_is_written_where_it_is_seen() {
+        let camera = Camera {
+            eye: Vec3::new(0.0, 2.0, 10.0),
+            target: Vec3::new(0.0, 2.0, 0.0),
+            lens: crate::render::Lens::Perspective(0.8),
+        };
+        let rect = Rect::from_min_size(pos2(100.0, 50.0), vec2(300.0, 200.0));
+        let middle = on_screen(&camera, rect, camera.target).unwrap();
+        assert!((middle - rect.center()).length() < 0.01);
+        let low = on_screen(&camera, rect, Vec3::new(1.0, 0.0, 0.0)).unwrap();
+        assert!(low.x > middle.x && low.y > middle.y);
+        assert_eq!(on_screen(&camera, rect, Vec3::new(0.0, 2.0, 20.0)), None);
+        assert_eq!(on_screen(&camera, rect, Vec3::new(90.0, 0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn a_size_without_area_stays_so_and_others_keep_a_pixel() {
+        assert_eq!(scaled([0, 400], 0.25), [0, 100]);
+        assert_eq!(scaled([1, 3], 0.25), [1, 1]);
+    }
+}

@@ -1,0 +1,42 @@
+//! Tests that need a graphics adapter. Without one they show as ignored; with `PLEACH_REQUIRE_GPU=1` that is a
+//! failure.
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use pleach::gpu::Gpu;
+use std::process::ExitCode;
+
+/// What a test comes to.
+pub(crate) type Outcome = Result<(), Failed>;
+
+/// Runs tests that need an adapter, with the arguments of the process.
+pub(crate) fn run(tests: &[(&'static str, fn() -> Outcome)]) -> ExitCode {
+    let arguments = Arguments::from_args();
+    let required = std::env::var_os("PLEACH_REQUIRE_GPU").is_some();
+    let reason = match Gpu::headless() {
+        Ok(gpu) => {
+            eprintln!("drawing with {}", gpu.describe());
+            None
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            Some(error.to_string())
+        }
+    };
+    let trials = tests
+        .iter()
+        .map(|&(name, test)| {
+            let trial = match (&reason, required) {
+                (Some(reason), true) => {
+                    let reason = reason.clone();
+                    Trial::test(name, move || Err(reason.into()))
+                }
+                _ => Trial::test(name, test),
+            };
+            let ignored = reason.is_some() && !required;
+            trial
+                .with_kind(if ignored { "no graphics adapter" } else { "" })
+                .with_ignored_flag(ignored)
+        })
+        .collect();
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
