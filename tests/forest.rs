@@ -251,15 +251,10 @@ fn hysteresis() -> Outcome {
             return Err("the same step, twice, gave two sets of trees".into());
         }
         let closer = chosen(&mut renderer, &mut forest, &at(0.98))?;
-        for bin in 0..forest.plan().bins.len() {
-            if forest.plan().bins[bin].of == Use::Draw {
-                let same = again
-                    .bin(bin)
-                    .iter()
-                    .filter(|t| closer.bin(bin).contains(t));
-                *change += again.bin(bin).len() - same.count();
-            }
-        }
+        let [far, near] = [&again, &closer].map(|lists| lods(&forest, lists));
+        *change = (0..trees.len())
+            .filter(|&t| far[t].is_some() && near[t].is_some() && far[t] != near[t])
+            .count();
     }
     println!(
         "flips at each step: {} with room, {} without",
@@ -408,15 +403,24 @@ fn like_one_alone() -> Outcome {
         let (mut forest, mut scene) = one(&mut renderer)?;
         scene.setting.backdrop = true;
         forest.settings.lod = u32::try_from(lod).ok();
-        // As far as one tree's ground is seen.
-        forest.settings.air_m = renderer.models()[0].bounds.size().length() * 12.0;
+        // As far as the ground is seen about one tree, whatever its turn.
+        let bounds = renderer.models()[0].bounds;
+        let wide = bounds.corners().map(|c| libm::hypotf(c.x, c.z));
+        let wide = 2.0 * wide.into_iter().fold(0.0, f32::max);
+        forest.settings.air_m = Vec3::new(wide, bounds.size().y, wide).length() * 12.0;
         let planted = renderer.picture_of_forest(&mut forest, &scene, SIZE)?;
         let mut alone = Scene::of_one(scene.camera, 0, lod);
         alone.setting = scene.setting;
         alone.groups[0].trees[0] = pleach::render::Instance::at(Vec3::ZERO, 0.3, 1.0);
-        let error = mean_flip(&planted, &renderer.picture(&alone, SIZE)?);
+        let alone = renderer.picture(&alone, SIZE)?;
+        let error = mean_flip(&planted, &alone);
         println!("lod {lod}: mean FLIP {error:.4}");
         if error > 0.02 {
+            let folder = common::gpu::root().join("target");
+            std::fs::create_dir_all(&folder)?;
+            let png = |p| pleach::image::png::encode(p).map_err(|e| e.to_string());
+            std::fs::write(folder.join("forest-one.png"), png(&planted)?)?;
+            std::fs::write(folder.join("forest-alone.png"), png(&alone)?)?;
             return Err(
                 format!("LOD {lod} of a forest is unlike one alone: FLIP {error:.4}").into(),
             );
