@@ -197,11 +197,15 @@ fn covers_the_same() -> Outcome {
 fn lods_look_alike() -> Outcome {
     let mut renderer = renderer(palm())?;
     let full = scene(&renderer, 0);
-    let mut last = 0.0;
+    let (mut last, mut judged) = (0.0, 0);
     for lod in 1..renderer.models()[0].lods.len() {
         // As large as it is at most shown in a picture 1080 high.
-        let height =
-            (1080.0 * renderer.models()[0].lods[lod].screen_size).clamp(24.0, 300.0) as u32;
+        let height = (1080.0 * renderer.models()[0].lods[lod].screen_size).min(300.0) as u32;
+        if height < 24 {
+            // Filters of FLIP are as wide as such a picture.
+            continue;
+        }
+        judged += 1;
         let size = [height * 4 / 5, height];
         let expected = renderer.picture(&full, size)?;
         let mut coarse = full.clone();
@@ -213,7 +217,7 @@ fn lods_look_alike() -> Outcome {
         }
         last = error;
     }
-    if last == 0.0 {
+    if last == 0.0 || judged < 3 {
         return Err("LODs cannot be told from full detail at all: the test sees nothing".into());
     }
     Ok(())
