@@ -3,10 +3,11 @@
 use super::level::{self, Choice};
 use super::settings::{Arrangement, Settings};
 use super::subject::LodFacts;
-use crate::math::{Bounds, TAU, Vec3, float};
+use crate::math::{Bounds, Vec3, float};
+use crate::render::forest::{ForestTree, Planting, plant};
 use crate::render::{Camera, Group, Instance, Scene};
 
-/// Trees that a forest view frames: those nearest to its middle.
+/// Trees that a view of a forest frames: those nearest to its middle.
 const FRAMED: usize = 60;
 
 /// Least triangles of a LOD that stands in for a finer one: those of fewer are not to be seen near.
@@ -35,6 +36,7 @@ pub struct Shown {
 #[derive(Clone, Debug, Default)]
 pub struct Stage {
     places: Vec<Instance>,
+    forest: Vec<ForestTree>,
     last: Vec<Option<usize>>,
     made_for: Option<(Arrangement, usize, usize, f32)>,
 }
@@ -136,14 +138,20 @@ impl Stage {
         self.places.iter().map(place).collect()
     }
 
+    /// The trees of a forest, whose LODs the renderer chooses; none in other arrangements.
+    pub fn forest(&mut self, cast: &Cast<'_>, settings: &Settings) -> &[ForestTree] {
+        self.arrange(cast, settings);
+        &self.forest
+    }
+
     /// Points that a camera is to frame, given those of one tree.
     pub fn frame(&mut self, cast: &Cast<'_>, settings: &Settings, hull: &[Vec3]) -> Vec<Vec3> {
         self.arrange(cast, settings);
-        let framed = self.places.iter().take(FRAMED);
-        let all = framed.flat_map(|tree| {
-            let [x, y, z, size] = tree.place;
-            hull.iter().map(move |&p| Vec3::new(x, y, z) + p * size)
-        });
+        let wood = self.forest.iter().take(FRAMED);
+        let bases = self.places.iter().map(|t| t.place);
+        let bases = bases.chain(wood.map(|t| [t.place[0], t.place[1], t.place[2], t.size]));
+        let all = bases
+            .flat_map(|[x, y, z, size]| hull.iter().map(move |&p| Vec3::new(x, y, z) + p * size));
         all.collect()
     }
 
@@ -158,7 +166,11 @@ impl Stage {
         self.places = match arrangement {
             Arrangement::Single => vec![Instance::at(Vec3::ZERO, 0.0, 1.0)],
             Arrangement::Strip => strip(cast.lods.len(), width * STRIP_GAP),
+            Arrangement::Forest => Vec::new(),
+        };
+        self.forest = match arrangement {
             Arrangement::Forest => forest(settings.trees, width * FOREST_GAP),
+            _ => Vec::new(),
         };
         self.last = vec![None; self.places.len()];
         self.made_for = Some(wanted);
@@ -174,28 +186,16 @@ fn strip(count: usize, gap: f32) -> Vec<Instance> {
     (0..count).map(tree).collect()
 }
 
-/// Trees all over a disc, about `gap` from one another, no two alike; the first stands in the middle.
-fn forest(count: usize, gap: f32) -> Vec<Instance> {
-    // A sunflower's seeds (Vogel 1979) shifted a little: even density, and no rows.
-    let tree = |index: usize| {
-        let i = float_of(index);
-        let [a, b, c, d] = [0.754_877_7, 0.569_840_3, 0.819_172_5, 0.671_043_6]
-            .map(|step: f32| (i * step).fract());
-        let (x, z) = libm::sincosf(i * 2.399_963_2);
-        let away = i.sqrt() * gap * 0.56;
-        let shift = if index == 0 { 0.0 } else { 0.35 * gap };
-        let place = Vec3::new(
-            x * away + (a - 0.5) * shift,
-            0.0,
-            z * away + (b - 0.5) * shift,
-        );
-        let mut tree = Instance::at(place, c * TAU, 0.8 + 0.4 * d);
-        tree.turn[2] = a;
-        let warm = 0.92 + 0.16 * b;
-        tree.tint = [warm, 0.94 + 0.1 * c, 1.0 / warm, 1.0];
-        tree
-    };
-    (0..count).map(tree).collect()
+/// Trees of a forest, about `gap` from one another, no two alike; those in its middle come first.
+fn forest(count: usize, gap: f32) -> Vec<ForestTree> {
+    let mut trees = plant(&Planting {
+        trees: u32::try_from(count).unwrap_or(u32::MAX),
+        spacing_m: gap,
+        ..Planting::default()
+    });
+    let away = |tree: &ForestTree| libm::hypotf(tree.place[0], tree.place[2]);
+    trees.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    trees
 }
 
 fn float_of(index: usize) -> f32 {
@@ -303,22 +303,32 @@ mod tests {
     }
 
     #[test]
-    fn a_forest_has_coarse_lods_far_away_and_no_two_trees_in_one_place() {
+    fn a_forest_has_all_its_trees_those_in_its_middle_first_and_none_in_a_strip() {
         let settings = Settings {
             arrangement: Arrangement::Forest,
             ..Settings::default()
         };
+        let lods = lods();
+        let cast = Cast {
+            lods: &lods,
+            bounds: BOUNDS,
+        };
         let mut stage = Stage::default();
-        let shown = shown(&mut stage, &settings, 20.0, 0);
-        assert_eq!(shown.trees.iter().sum::<usize>(), settings.trees);
-        assert!(shown.trees[1] > shown.trees[0], "{:?}", shown.trees);
-        let at = |tree: &Instance| Vec3::new(tree.place[0], 0.0, tree.place[2]);
-        for (index, tree) in stage.places.iter().enumerate() {
-            for other in &stage.places[..index] {
-                let away = at(tree).distance(at(other));
-                assert!(away > 1.5, "{index}: {away}");
-            }
-        }
-        assert_eq!(at(&stage.places[0]), Vec3::ZERO);
+        let away: Vec<f32> = stage
+            .forest(&cast, &settings)
+            .iter()
+            .map(|tree| libm::hypotf(tree.place[0], tree.place[2]))
+            .collect();
+        assert_eq!(away.len(), settings.trees);
+        assert!(away.is_sorted() && away[0] < 10.0, "{}", away[0]);
+        let framed = stage.frame(&cast, &settings, &[Vec3::ZERO]);
+        assert_eq!(framed.len(), FRAMED);
+        let (scene, _) = stage.scene(&cast, &settings, camera(30.0), 0);
+        assert!(scene.groups.is_empty(), "the renderer draws the forest");
+        let strip = Settings {
+            arrangement: Arrangement::Strip,
+            ..settings
+        };
+        assert!(stage.forest(&cast, &strip).is_empty());
     }
 }
