@@ -34,14 +34,6 @@ fn unprojected(at: vec2<f32>, depth: f32) -> vec3<f32> {
     return p.xyz / p.w;
 }
 
-fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
-    let up = saturate(direction.y);
-    let base = mix(frame.horizon.rgb, frame.zenith.rgb, pow(up, 0.45));
-    let toward = max(dot(direction, frame.sun.xyz), 0.0);
-    let glow = 0.10 * pow(toward, 8.0) + 0.35 * pow(toward, 180.0);
-    return base + frame.sun_light.rgb * glow * 0.25;
-}
-
 // A number in 0..1 for each cell of a grid (Jarzynski and Olano 2020, pcg2d).
 fn cell_noise(cell: vec2<f32>) -> f32 {
     var v = vec2<u32>(vec2<i32>(cell)) * 1664525u + 1013904223u;
@@ -88,13 +80,13 @@ fn fs_backdrop(in: Screen) -> @location(0) vec4<f32> {
     let near = unprojected(in.at, 1.0);
     let start = mix(near, frame.eye.xyz, frame.eye.w);
     let direction = mix(frame.forward.xyz, normalize(near - frame.eye.xyz), frame.eye.w);
-    let sky = sky_colour(direction);
+    let sky = sky_colour(direction, frame);
     if direction.y >= -1e-4 {
         return vec4<f32>(sky, 1.0) * frame.ground.w;
     }
     let way = -start.y / direction.y;
     if way <= 0.0 {
-        return vec4<f32>(sky_colour(vec3<f32>(direction.x, -direction.y, direction.z)), 1.0) * frame.ground.w;
+        return vec4<f32>(sky_colour(vec3<f32>(direction.x, -direction.y, direction.z), frame), 1.0) * frame.ground.w;
     }
     let at = start + direction * way;
     let lit = textureLoad(ground_shadows, vec2<i32>(in.clip.xy), 0).x;
@@ -102,9 +94,8 @@ fn fs_backdrop(in: Screen) -> @location(0) vec4<f32> {
     let sun = frame.sun_light.rgb * max(frame.sun.y, 0.0) / PI * lit;
     let colour = turf(at.xz, footprint) * (sun + frame.sky_light.rgb * mix(0.72, 1.0, lit));
     // Distance along the ground, so that the horizon is a haze and not an edge.
-    let haze = 1.0 - exp(-way / max(frame.horizon.w, 1e-3));
-    let far = sky_colour(normalize(vec3<f32>(direction.x, 0.0, direction.z) + vec3<f32>(0.0, 1e-5, 0.0)));
-    return vec4<f32>(mix(colour, far, haze * haze), 1.0) * frame.ground.w;
+    let far = sky_colour(normalize(vec3<f32>(direction.x, 0.0, direction.z) + vec3<f32>(0.0, 1e-5, 0.0)), frame);
+    return vec4<f32>(mix(colour, far, haze_over(way, frame)), 1.0) * frame.ground.w;
 }
 
 struct Instance {
@@ -129,6 +120,10 @@ fn stretch_of(to_sun: vec3<f32>) -> f32 {
 // The ground that the shadows in use cover, stretched along the sun.
 @vertex
 fn vs_patch(@builtin(vertex_index) index: u32, instance: Instance) -> Patch {
+    return patch_of(index, instance);
+}
+
+fn patch_of(index: u32, instance: Instance) -> Patch {
     let to_sun = turned_back(frame.sun.xyz, instance.turn.xy);
     let shares = nine_shares(to_sun);
     var rect = vec4<f32>(1e9, 1e9, -1e9, -1e9);

@@ -16,6 +16,10 @@ const WIND: &str = include_str!("../../shaders/wind.wgsl");
 const LIGHT: &str = include_str!("../../shaders/light.wgsl");
 const TREE: &str = include_str!("../../shaders/tree.wgsl");
 const GROUND: &str = include_str!("../../shaders/ground.wgsl");
+const FOREST: &str = include_str!("../../shaders/forest.wgsl");
+const FOREST_TREES: &str = include_str!("../../shaders/forest_trees.wgsl");
+const FOREST_GROUND: &str = include_str!("../../shaders/forest_ground.wgsl");
+const CULL: &str = include_str!("../../shaders/cull.wgsl");
 const PRESENT: &str = include_str!("../../shaders/present.wgsl");
 
 /// Trees: colour, depth for the shadow map, and the views that show how they are made.
@@ -36,8 +40,26 @@ pub const PRESENTS: Source = Source {
     files: &[FRAME, PRESENT],
 };
 
+/// Trees of a forest.
+pub const FORESTS: Source = Source {
+    name: "forest",
+    files: &[FRAME, LIGHT, WIND, TREE, FOREST, FOREST_TREES],
+};
+
+/// Baked shadows of a forest.
+pub const FOREST_GROUNDS: Source = Source {
+    name: "ground of a forest",
+    files: &[FRAME, LIGHT, WIND, GROUND, FOREST, FOREST_GROUND],
+};
+
+/// Which trees of a forest are drawn.
+pub const CULLS: Source = Source {
+    name: "cull",
+    files: &[CULL],
+};
+
 /// All modules.
-pub const ALL: [Source; 3] = [TREES, GROUNDS, PRESENTS];
+pub const ALL: [Source; 6] = [TREES, GROUNDS, PRESENTS, FORESTS, FOREST_GROUNDS, CULLS];
 
 impl Source {
     /// The whole text.
