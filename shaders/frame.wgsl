@@ -47,6 +47,8 @@ const VIEW_WIRE: u32 = 5u;
 
 // In the shadow map leaves are turned to face the sun (Candussi et al., section 2.1).
 const FLAG_LEAVES_FACE_SUN: u32 = 1u;
+// Air hides far trees.
+const FLAG_AIR: u32 = 2u;
 
 const FILTER_ALPHA: u32 = 1u;
 const FILTER_BILINEAR: u32 = 2u;

@@ -34,14 +34,6 @@ fn unprojected(at: vec2<f32>, depth: f32) -> vec3<f32> {
     return p.xyz / p.w;
 }
 
-fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
-    let up = saturate(direction.y);
-    let base = mix(frame.horizon.rgb, frame.zenith.rgb, pow(up, 0.45));
-    let toward = max(dot(direction, frame.sun.xyz), 0.0);
-    let glow = 0.10 * pow(toward, 8.0) + 0.35 * pow(toward, 180.0);
-    return base + frame.sun_light.rgb * glow * 0.25;
-}
-
 // A number in 0..1 for each cell of a grid (Jarzynski and Olano 2020, pcg2d).
 fn cell_noise(cell: vec2<f32>) -> f32 {
     var v = vec2<u32>(vec2<i32>(cell)) * 1664525u + 1013904223u;
@@ -65,21 +57,25 @@ fn mottle(p: vec2<f32>) -> f32 {
 // Albedo of the ground: turf, drier here and there, with detail that fades before it could shimmer.
 // `footprint` is the length of a pixel on it, metres.
 fn turf(p: vec2<f32>, footprint: f32) -> vec3<f32> {
-    var level = 0.0;
+    var patches = 0.0;
+    var tufts = 0.0;
     var scale = 0.06;
-    var strength = 0.32;
-    for (var i = 0; i < 7; i++) {
-        let part = saturate(1.2 - footprint * scale * 2.0);
+    for (var i = 0; i < 8; i++) {
+        let part = saturate(1.3 - footprint * scale * 2.0);
         // Each octave is turned against the last, so that no grid shows.
         let turn = f32(i) * 0.9;
         let q = vec2<f32>(p.x * cos(turn) - p.y * sin(turn), p.x * sin(turn) + p.y * cos(turn));
-        level += (mottle(q * scale + f32(i) * 17.3) - 0.5) * strength * part;
+        let noise = (mottle(q * scale + f32(i) * 17.3) - 0.5) * part;
+        if i < 4 {
+            patches += noise * 0.26;
+        } else {
+            tufts += noise * 0.52;
+        }
         scale *= 2.6;
-        strength *= select(0.85, 1.0, i > 2);
     }
     let dried = vec3<f32>(0.19, 0.165, 0.085);
-    let dry = smoothstep(-0.1, 0.5, level) * 0.5;
-    return mix(frame.ground.rgb, dried, dry) * (1.0 + 0.75 * level);
+    let dry = smoothstep(-0.1, 0.5, patches + 0.25 * tufts) * 0.5;
+    return mix(frame.ground.rgb, dried, dry) * (1.0 + 0.75 * patches) * max(1.0 + tufts, 0.25);
 }
 
 @fragment
@@ -88,23 +84,23 @@ fn fs_backdrop(in: Screen) -> @location(0) vec4<f32> {
     let near = unprojected(in.at, 1.0);
     let start = mix(near, frame.eye.xyz, frame.eye.w);
     let direction = mix(frame.forward.xyz, normalize(near - frame.eye.xyz), frame.eye.w);
-    let sky = sky_colour(direction);
+    let sky = sky_colour(direction, frame);
     if direction.y >= -1e-4 {
         return vec4<f32>(sky, 1.0) * frame.ground.w;
     }
     let way = -start.y / direction.y;
     if way <= 0.0 {
-        return vec4<f32>(sky_colour(vec3<f32>(direction.x, -direction.y, direction.z)), 1.0) * frame.ground.w;
+        return vec4<f32>(sky_colour(vec3<f32>(direction.x, -direction.y, direction.z), frame), 1.0) * frame.ground.w;
     }
     let at = start + direction * way;
     let lit = textureLoad(ground_shadows, vec2<i32>(in.clip.xy), 0).x;
-    let footprint = way * frame.viewport.w * 0.6 / max(-direction.y, 0.03);
+    // Between the width and the length of what a pixel covers: by its length alone, turf would be a blur.
+    let footprint = way * frame.viewport.w * 0.6 / sqrt(max(-direction.y, 0.01));
     let sun = frame.sun_light.rgb * max(frame.sun.y, 0.0) / PI * lit;
     let colour = turf(at.xz, footprint) * (sun + frame.sky_light.rgb * mix(0.72, 1.0, lit));
     // Distance along the ground, so that the horizon is a haze and not an edge.
-    let haze = 1.0 - exp(-way / max(frame.horizon.w, 1e-3));
-    let far = sky_colour(normalize(vec3<f32>(direction.x, 0.0, direction.z) + vec3<f32>(0.0, 1e-5, 0.0)));
-    return vec4<f32>(mix(colour, far, haze * haze), 1.0) * frame.ground.w;
+    let far = sky_colour(normalize(vec3<f32>(direction.x, 0.0, direction.z) + vec3<f32>(0.0, 1e-5, 0.0)), frame);
+    return vec4<f32>(mix(colour, far, haze_over(way, frame)), 1.0) * frame.ground.w;
 }
 
 struct Instance {
@@ -129,6 +125,10 @@ fn stretch_of(to_sun: vec3<f32>) -> f32 {
 // The ground that the shadows in use cover, stretched along the sun.
 @vertex
 fn vs_patch(@builtin(vertex_index) index: u32, instance: Instance) -> Patch {
+    return patch_of(index, instance);
+}
+
+fn patch_of(index: u32, instance: Instance) -> Patch {
     let to_sun = turned_back(frame.sun.xyz, instance.turn.xy);
     let shares = nine_shares(to_sun);
     var rect = vec4<f32>(1e9, 1e9, -1e9, -1e9);

@@ -88,3 +88,18 @@ fn light_four_factors(s: Surface, frame: Frame, occluder: f32) -> vec3<f32> {
     let light = mix(frame.sky_light.rgb, frame.sun_light.rgb / PI, sum);
     return s.albedo * light * (0.25 + 0.75 * sum);
 }
+
+// The sky in a direction.
+fn sky_colour(direction: vec3<f32>, frame: Frame) -> vec3<f32> {
+    let up = saturate(direction.y);
+    let base = mix(frame.horizon.rgb, frame.zenith.rgb, pow(up, 0.45));
+    let toward = max(dot(direction, frame.sun.xyz), 0.0);
+    let glow = 0.10 * pow(toward, 8.0) + 0.35 * pow(toward, 180.0);
+    return base + frame.sun_light.rgb * glow * 0.25;
+}
+
+// How far the air hides what is this many metres away, 0..1.
+fn haze_over(metres: f32, frame: Frame) -> f32 {
+    let haze = 1.0 - exp(-metres / max(frame.horizon.w, 1e-3));
+    return haze * haze;
+}

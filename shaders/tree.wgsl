@@ -48,7 +48,8 @@ struct Instance {
     @location(7) turn: vec4<f32>,
     // Factor on its colours.
     @location(8) tint: vec4<f32>,
-    // Its LOD; how far the shadow map shades it, 0..1: large quads would shade one another.
+    // Its LOD; how far the shadow map shades it, 0..1: large quads would shade one another; how much of the light
+    // trees around it take from its foot, 0..1.
     @location(9) marks: vec4<f32>,
 }
 
@@ -72,9 +73,24 @@ fn world_of(local: vec3<f32>, instance: Instance) -> vec3<f32> {
     return instance.place.xyz + turned(local * instance.place.w, instance.turn.xy);
 }
 
+// Part of a tree's sway that is drawn, 0..1: none where the farthest that it can lean is less than a third of a
+// pixel, so that far trees cost no more in the wind than in a calm.
+fn sway_seen(instance: Instance) -> f32 {
+    let rows = transpose(frame.view_projection);
+    let pixels_by_metre = 0.5 * frame.viewport.y * length(rows[1].xyz)
+        / max(abs(dot(rows[3], vec4<f32>(instance.place.xyz, 1.0))), 1e-3);
+    let speed = min(frame.wind.z / WIND_REFERENCE_SPEED_M_S, WIND_MOST_SPEED);
+    let lean = dot(model.rig.amplitude_m, vec3<f32>(1.5)) * speed * sqrt(speed) * instance.place.w;
+    return smoothstep(0.3, 0.6, lean * pixels_by_metre);
+}
+
 // Where the wind takes a vertex, in the tree's own frame. `view_axis` is what leaves turn about.
 fn swayed(vertex: Vertex, instance: Instance, view_axis: vec3<f32>) -> vec3<f32> {
     if frame.wind.z <= 0.0 {
+        return vertex.position;
+    }
+    let seen = sway_seen(instance);
+    if seen == 0.0 {
         return vertex.position;
     }
     let over_scene = Wind(frame.wind.xy, frame.wind.z, frame.wind.w);
@@ -82,11 +98,16 @@ fn swayed(vertex: Vertex, instance: Instance, view_axis: vec3<f32>) -> vec3<f32>
     let direction = turned_back(vec3<f32>(frame.wind.x, 0.0, frame.wind.y), instance.turn.xy).xz;
     let at_tree = Wind(direction, frame.wind.z, frame.wind.w);
     let axis = turned_back(view_axis, instance.turn.xy);
-    return vertex.position + wind_offset(at_tree, model.rig, time, vertex.position.y, vertex.sway, vertex.leaf, axis);
+    let away = wind_offset(at_tree, model.rig, time, vertex.position.y, vertex.sway, vertex.leaf, axis);
+    return vertex.position + away * seen;
 }
 
 @vertex
 fn vs_tree(vertex: Vertex, instance: Instance) -> Varyings {
+    return tree_drawn(vertex, instance);
+}
+
+fn tree_drawn(vertex: Vertex, instance: Instance) -> Varyings {
     var out: Varyings;
     out.local = swayed(vertex, instance, frame.forward.xyz);
     out.world = world_of(out.local, instance);
@@ -198,7 +219,7 @@ fn lit_colour(in: Varyings, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) 
     let extra = textureSample(extra_map, surface_sampler, in.uv).xyz;
     let outward = turned(normalize((in.local - model.centre.xyz) / model.extent.xyz + vec3<f32>(0.0, 1e-4, 0.0)),
         in.turn.xy);
-    let volume = volume_at(in.local, in.turn.xy);
+    let volume = volume_at(in.local, in.turn.xy) * between_trees(in);
     let shadow = shadow_map_at(in.world, normalize(in.normal));
     var s: Surface;
     s.albedo = albedo * in.tint;
@@ -210,9 +231,25 @@ fn lit_colour(in: Varyings, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) 
     s.translucency = extra.x * frame.ground_light.w * foliage;
     let to_eye = mix(-frame.forward.xyz, normalize(frame.eye.xyz - in.world), frame.eye.w);
     if frame.modes.x == LIGHT_FOUR_FACTORS {
-        return light_four_factors(s, frame, shadow.y);
+        return hazy(light_four_factors(s, frame, shadow.y), in);
     }
-    return light_product(s, frame, to_eye);
+    return hazy(light_product(s, frame, to_eye), in);
+}
+
+// Part of the sky and of the sun that the trees around leave to one, from its foot to its top.
+fn between_trees(in: Varyings) -> f32 {
+    let below = saturate(1.0 - in.local.y / (model.centre.y + model.extent.y));
+    return 1.0 - in.marks.z * below * (2.0 - below);
+}
+
+// Air between the eye and a tree of a forest, as over the ground. A tree by itself is near.
+fn hazy(colour: vec3<f32>, in: Varyings) -> vec3<f32> {
+    if (frame.modes.w & FLAG_AIR) == 0u {
+        return colour;
+    }
+    let way = in.world - frame.eye.xyz;
+    let level = normalize(vec3<f32>(way.x, 0.0, way.z) + vec3<f32>(0.0, 1e-5, 0.0));
+    return mix(colour, sky_colour(level, frame), haze_over(length(way), frame));
 }
 
 // A colour for each LOD, from the finest on.
@@ -297,6 +334,10 @@ fn facing_sun(vertex: Vertex, local: vec3<f32>, instance: Instance) -> vec3<f32>
 // Depth from the sun.
 @vertex
 fn vs_cast(vertex: Vertex, instance: Instance) -> Cast {
+    return tree_cast(vertex, instance);
+}
+
+fn tree_cast(vertex: Vertex, instance: Instance) -> Cast {
     var out: Cast;
     var local = swayed(vertex, instance, -frame.sun.xyz);
     if (frame.modes.w & FLAG_LEAVES_FACE_SUN) != 0u {

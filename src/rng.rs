@@ -45,6 +45,10 @@ pub enum Parameter {
     Texture = 15,
     /// Phase of a limb in the wind.
     Sway = 16,
+    /// Where a tree of a forest stands.
+    Planted = 17,
+    /// Colours of a tree of a forest.
+    Tinted = 18,
 }
 
 /// One place in the tree at which random numbers are drawn.

@@ -4,21 +4,17 @@
 mod common;
 
 use common::adapter::{self, Outcome};
+use common::gpu::{covered, mean_flip, palm, root};
 use libtest_mimic::Failed;
 use pleach::asset::TreeAsset;
 use pleach::gpu::{Gpu, GpuError};
 use pleach::image::{Image, png};
 use pleach::math::Vec3;
-use pleach::measure::flip;
-use pleach::pipeline::{self, Settings};
 use pleach::render::{Filter, Instance, LightMode, Orbit, PORTRAIT, Renderer, Scene, ViewMode};
-use pleach::report::Quiet;
-use pleach::species::{self, Beside};
 use pleach::wind::{self, Rig, Wind};
 use pleach::{capture, shadow};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
-use std::sync::OnceLock;
 
 fn main() -> ExitCode {
     let tests: [(&str, fn() -> Outcome); 17] = [
@@ -61,37 +57,6 @@ fn main() -> ExitCode {
     adapter::run(&tests)
 }
 
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn grown(name: &str) -> TreeAsset {
-    let path = root().join("species").join(name);
-    let text = std::fs::read_to_string(&path).expect("species can be read");
-    let files = Beside(root().join("species"));
-    let species = species::parse(name, &text, &files).expect("species has no faults");
-    let settings = Settings {
-        full: true,
-        captures: capture::Settings {
-            atlas_size: 512,
-            ..capture::Settings::default()
-        },
-        bark_size: 128,
-        shadows: shadow::Settings {
-            size: 128,
-            ..shadow::Settings::default()
-        },
-        ..Settings::default()
-    };
-    pipeline::generate(&species, &settings, &files, &Quiet).expect("species grows")
-}
-
-/// The species that all but one of these tests draw; the cheapest.
-fn palm() -> &'static TreeAsset {
-    static PALM: OnceLock<TreeAsset> = OnceLock::new();
-    PALM.get_or_init(|| grown("palm.ron"))
-}
-
 const SIZE: [u32; 2] = [160, 200];
 
 fn renderer(asset: &TreeAsset) -> Result<Renderer, GpuError> {
@@ -103,16 +68,6 @@ fn renderer(asset: &TreeAsset) -> Result<Renderer, GpuError> {
 fn scene(renderer: &Renderer, lod: usize) -> Scene {
     let orbit = Orbit::around(&renderer.models()[0].hull, 0.6, 0.1, PORTRAIT, 0.8);
     Scene::of_one(orbit.camera(), 0, lod)
-}
-
-fn rgb(image: &Image<[u8; 4]>) -> Image<[u8; 3]> {
-    image.map(|&[r, g, b, _]| [r, g, b])
-}
-
-/// Mean FLIP over the whole picture, at 67 pixels a degree.
-fn mean_flip(a: &Image<[u8; 4]>, b: &Image<[u8; 4]>) -> f32 {
-    let errors = flip::flip(&rgb(a), &rgb(b), flip::PIXELS_PER_DEGREE).expect("one size");
-    flip::masked_mean(&errors, &vec![true; errors.texels().len()])
 }
 
 fn same_picture_twice() -> Outcome {
@@ -199,12 +154,6 @@ fn read(path: &Path) -> Result<Vec<u8>, Failed> {
     std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()).into())
 }
 
-/// Covered part of a picture, by its alpha.
-fn covered(picture: &Image<[u8; 4]>) -> f32 {
-    let sum: u64 = picture.texels().iter().map(|p| u64::from(p[3])).sum();
-    sum as f32 / 255.0 / picture.texels().len() as f32
-}
-
 fn covers_the_same() -> Outcome {
     use pleach::measure::silhouette::{Cutouts, Silhouette};
     use pleach::render::{Camera, Lens};
@@ -248,11 +197,15 @@ fn covers_the_same() -> Outcome {
 fn lods_look_alike() -> Outcome {
     let mut renderer = renderer(palm())?;
     let full = scene(&renderer, 0);
-    let mut last = 0.0;
+    let (mut last, mut judged) = (0.0, 0);
     for lod in 1..renderer.models()[0].lods.len() {
         // As large as it is at most shown in a picture 1080 high.
-        let height =
-            (1080.0 * renderer.models()[0].lods[lod].screen_size).clamp(24.0, 300.0) as u32;
+        let height = (1080.0 * renderer.models()[0].lods[lod].screen_size).min(300.0) as u32;
+        if height < 24 {
+            // Filters of FLIP are as wide as such a picture.
+            continue;
+        }
+        judged += 1;
         let size = [height * 4 / 5, height];
         let expected = renderer.picture(&full, size)?;
         let mut coarse = full.clone();
@@ -264,7 +217,7 @@ fn lods_look_alike() -> Outcome {
         }
         last = error;
     }
-    if last == 0.0 {
+    if last == 0.0 || judged < 3 {
         return Err("LODs cannot be told from full detail at all: the test sees nothing".into());
     }
     Ok(())

@@ -6,6 +6,7 @@ use core::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use pleach::gpu::shader::{self, Source};
 use pleach::gpu_bake::layout;
+use pleach::render::forest::{Cull, ForestTree, Kind};
 use pleach::render::uniforms::{Frame, Model};
 use pleach::shadow;
 
@@ -60,12 +61,35 @@ macro_rules! members {
 fn structs_lie_in_memory_as_the_shaders_read_them() {
     let frame = members!(Frame: view_projection inverse_view_projection light_projection eye forward
         sun sun_light sky_light ground_light zenith horizon ground wind clock viewport modes);
-    for source in &[shader::TREES, shader::GROUNDS, shader::PRESENTS] {
+    let of_frames = |s: &&Source| s.text().contains("struct Frame {");
+    let frames: Vec<&Source> = shader::ALL.iter().filter(of_frames).collect();
+    assert!(frames.len() >= 5);
+    for source in frames {
         assert_eq!(layout_of(source, "Frame"), frame, "{}", source.name);
     }
     let model = members!(Model: centre extent volume_origin volume_scale shadow_rects rig);
-    for source in [&shader::TREES, &shader::GROUNDS] {
+    for source in [
+        &shader::TREES,
+        &shader::GROUNDS,
+        &shader::FORESTS,
+        &shader::FOREST_GROUNDS,
+    ] {
         assert_eq!(layout_of(source, "Model"), model, "{}", source.name);
+    }
+    let cull = members!(Cull: planes eye sight shade counts orders);
+    assert_eq!(layout_of(&shader::CULLS, "Cull"), cull);
+    let kind = members!(Kind: shape bins casts switches);
+    assert_eq!(layout_of(&shader::CULLS, "Kind"), kind);
+    let (members, size) = members!(ForestTree: place size turn look model crowded);
+    for source in [&shader::CULLS, &shader::FORESTS, &shader::FOREST_GROUNDS] {
+        let (read, span) = layout_of(source, "Planted");
+        let offsets = |members: &[(String, u32)]| members.iter().map(|m| m.1).collect::<Vec<_>>();
+        assert_eq!(
+            (offsets(&read), span),
+            (offsets(&members), size),
+            "{}",
+            source.name
+        );
     }
 }
 

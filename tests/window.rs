@@ -4,6 +4,7 @@
 mod common;
 
 use common::adapter::{self, Outcome};
+use common::gpu::mean_flip;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{
     Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, pos2, vec2,
@@ -14,7 +15,6 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
 use libtest_mimic::Failed;
 use pleach::image::{Image, png};
-use pleach::measure::flip;
 use pleach::pipeline::{self, Settings};
 use pleach::render::ViewMode;
 use pleach::report::Quiet;
@@ -217,11 +217,12 @@ fn pictures() -> Outcome {
         let trees: usize = app.view.shown.trees.iter().sum();
         let lods = app.subject.as_ref().map_or(0, |s| s.lods.len());
         let expected = match arrangement {
-            Arrangement::Single => 1,
-            Arrangement::Strip => lods,
-            Arrangement::Forest => app.settings.trees,
+            Arrangement::Single => 1..=1,
+            Arrangement::Strip => lods..=lods,
+            // Those that are seen, twice where one LOD fades into another.
+            Arrangement::Forest => 20..=app.settings.trees * 2,
         };
-        ensure(trees == expected, format!("{name}: {trees} trees"))?;
+        ensure(expected.contains(&trees), format!("{name}: {trees} trees"))?;
         let now = seen(&mut window)?;
         ensure(
             differs(&before, &now),
@@ -682,11 +683,4 @@ fn looks() -> Outcome {
         seen.display()
     )
     .into())
-}
-
-/// Mean FLIP over a whole picture, at 67 pixels a degree.
-fn mean_flip(a: &Image<[u8; 4]>, b: &Image<[u8; 4]>) -> f32 {
-    let rgb = |image: &Image<[u8; 4]>| image.map(|&[r, g, b, _]| [r, g, b]);
-    let errors = flip::flip(&rgb(a), &rgb(b), flip::PIXELS_PER_DEGREE).expect("one size");
-    flip::masked_mean(&errors, &vec![true; errors.texels().len()])
 }

@@ -220,7 +220,7 @@ pub(crate) struct Evaluate {
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct Render {
-    /// Species scripts or pack folders; several for a contact sheet.
+    /// Species scripts or pack folders; several for a contact sheet or a forest.
     #[arg(value_name = "SPECIES|PACK", required = true)]
     pub(crate) paths: Vec<PathBuf>,
     /// Picture to write: PNG; for a turntable an animated PNG, GIF (`.gif`), or numbered PNGs (`turn-%d.png`).
@@ -229,9 +229,12 @@ pub(crate) struct Render {
     /// What to draw.
     #[arg(long, value_enum, default_value_t = What::Still)]
     pub(crate) what: What,
-    /// Size of the picture, or of each tree's part of it, pixels.
-    #[arg(long, default_value = "800x900", value_name = "WIDTHxHEIGHT", value_parser = size)]
-    pub(crate) size: [u32; 2],
+    /// Size of the picture, or of each tree's part of it, pixels; 800x900 without, 1280x720 for a forest.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Trees of a forest.
+    #[arg(long, default_value_t = 5_929, value_parser = clap::value_parser!(u32).range(1..=MOST_TREES))]
+    pub(crate) trees: u32,
     /// Which LOD, 0 the finest; full detail without, for a script.
     #[arg(long)]
     pub(crate) lod: Option<usize>,
@@ -241,7 +244,8 @@ pub(crate) struct Render {
     /// Triangle budgets, for a script.
     #[arg(long, value_delimiter = ',')]
     pub(crate) budgets: Option<Vec<String>>,
-    /// Where the camera stands: degrees about the tree and above the horizon.
+    /// Where the camera stands: degrees about the tree and above the horizon; in a forest, where from the middle
+    /// it stands and from how high up a hill it looks, 0 for a person's height.
     #[arg(long, default_value = "35,5", value_name = "TURN,HEIGHT", value_parser = angles, allow_hyphen_values = true)]
     pub(crate) camera: [f32; 2],
     /// Where the sun stands: degrees about the tree and above the horizon.
@@ -314,6 +318,18 @@ pub(crate) enum What {
     Atlas,
     /// The nine baked shadows: the vertical light's in the middle, the others around it.
     Rose,
+    /// A wood of all trees given; `--trees` says how many.
+    Forest,
+}
+
+impl Render {
+    /// Pixels of the picture, or of each tree's part of it.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.size.unwrap_or(match self.what {
+            What::Forest => [1280, 720],
+            _ => [800, 900],
+        })
+    }
 }
 
 /// How light is worked out.
@@ -365,6 +381,9 @@ pub(crate) enum Painter {
     /// The rasteriser that needs no driver.
     Cpu,
 }
+
+/// Most trees of a forest; as `render::forest` has it.
+const MOST_TREES: i64 = 1 << 22;
 
 /// Largest edge of a picture.
 const LARGEST_PICTURE: u32 = 16_384;

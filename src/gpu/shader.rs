@@ -16,6 +16,10 @@ const WIND: &str = include_str!("../../shaders/wind.wgsl");
 const LIGHT: &str = include_str!("../../shaders/light.wgsl");
 const TREE: &str = include_str!("../../shaders/tree.wgsl");
 const GROUND: &str = include_str!("../../shaders/ground.wgsl");
+const FOREST: &str = include_str!("../../shaders/forest.wgsl");
+const FOREST_TREES: &str = include_str!("../../shaders/forest_trees.wgsl");
+const FOREST_GROUND: &str = include_str!("../../shaders/forest_ground.wgsl");
+const CULL: &str = include_str!("../../shaders/cull.wgsl");
 const PRESENT: &str = include_str!("../../shaders/present.wgsl");
 const CAPTURE: &str = include_str!("../../shaders/capture.wgsl");
 const CAPTURE_SEEN: &str = include_str!("../../shaders/capture_seen.wgsl");
@@ -41,7 +45,25 @@ pub const PRESENTS: Source = Source {
     files: &[FRAME, PRESENT],
 };
 
-/// Captures: which triangle each sample sees.
+/// Trees of a forest.
+pub const FORESTS: Source = Source {
+    name: "forest",
+    files: &[FRAME, LIGHT, WIND, TREE, FOREST, FOREST_TREES],
+};
+
+/// Baked shadows of a forest.
+pub const FOREST_GROUNDS: Source = Source {
+    name: "ground of a forest",
+    files: &[FRAME, LIGHT, WIND, GROUND, FOREST, FOREST_GROUND],
+};
+
+/// Which trees of a forest are drawn.
+pub const CULLS: Source = Source {
+    name: "cull",
+    files: &[CULL],
+};
+
+/// Captures: the surface that each sample sees.
 pub const CAPTURES_SEEN: Source = Source {
     name: "captures, what is seen",
     files: &[CAPTURE, CAPTURE_SEEN],
@@ -66,10 +88,13 @@ pub const SHADOWS: Source = Source {
 };
 
 /// All modules.
-pub const ALL: [Source; 7] = [
+pub const ALL: [Source; 10] = [
     TREES,
     GROUNDS,
     PRESENTS,
+    FORESTS,
+    FOREST_GROUNDS,
+    CULLS,
     CAPTURES_SEEN,
     CAPTURES_TEXELS,
     CAPTURES_LIGHT,

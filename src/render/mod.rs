@@ -14,6 +14,7 @@
 
 mod binding;
 mod camera;
+pub mod forest;
 mod model;
 mod pipelines;
 mod renderer;

@@ -24,6 +24,10 @@ pub struct Model {
     pub bounds: Bounds,
     /// The finest LOD's outermost points in directions all around, metres: what a camera is to show.
     pub hull: Vec<Vec3>,
+    /// Height of the middle of a sphere about the trunk's axis that holds all LODs, and its radius, metres.
+    pub(super) sphere: [f32; 2],
+    /// Radius of the ground that its baked shadows cover, metres.
+    pub(super) ground_reach: f32,
     pub(super) group: wgpu::BindGroup,
     pub(super) ground_group: wgpu::BindGroup,
     pub(super) bark: wgpu::BindGroup,
@@ -157,6 +161,8 @@ impl Model {
             lods: lods?,
             bounds: finest,
             hull: hull(shade(source)),
+            sphere: sphere(source, &bounds),
+            ground_reach: ground_reach(&source.shadows.maps),
             group,
             ground_group,
             bark: material(gpu, layouts, source.bark, &repeat),
@@ -199,6 +205,32 @@ fn hull(mesh: &Mesh) -> Vec<Vec3> {
         .into_par_iter()
         .filter_map(farthest)
         .collect()
+}
+
+/// How much larger than at rest a tree may be in the wind.
+const WIND_ROOM: f32 = 1.1;
+
+/// Height of the middle of a sphere about the trunk's axis that holds all LODs, and its radius.
+fn sphere(source: &Drawable<'_>, bounds: &Bounds) -> [f32; 2] {
+    let middle = bounds.centre().y;
+    let centre = Vec3::new(0.0, middle, 0.0);
+    let radius = source
+        .lods
+        .iter()
+        .flat_map(|(mesh, _)| [&mesh.bark, &mesh.foliage])
+        .flat_map(|p| &p.vertices)
+        .map(|v| Vec3::from(v.position).distance(centre))
+        .fold(0.0, f32::max);
+    [middle, radius * WIND_ROOM]
+}
+
+/// Radius of the ground that baked shadows cover.
+fn ground_reach(shadows: &[ShadowMap]) -> f32 {
+    let corner = |map: &ShadowMap| {
+        let [x0, z0, x1, z1] = map.ground_rect_m;
+        libm::hypotf(x0.abs().max(x1.abs()), z0.abs().max(z1.abs()))
+    };
+    shadows.iter().map(corner).fold(0.0, f32::max)
 }
 
 /// How far a shadow map may shade a mesh: wholly where its cards are small against the tree, not at all where

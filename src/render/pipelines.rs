@@ -2,6 +2,7 @@
 
 use super::binding::{self, depth_texture, layout, texture, uniform};
 use super::model::Layouts;
+use super::renderer::SAMPLES;
 use super::targets::{DEPTH, GROUND, LIGHT};
 use super::uniforms::Instance;
 use crate::gpu::shader;
@@ -27,6 +28,18 @@ pub(super) struct Pipelines {
     pub(super) backdrop: wgpu::RenderPipeline,
     pub(super) patches: wgpu::RenderPipeline,
     pub(super) present: wgpu::RenderPipeline,
+}
+
+/// Pipelines that draw the trees of a forest, each as the one of the same name draws single trees.
+#[derive(Debug)]
+pub(super) struct ForestPipelines {
+    pub(super) bark: wgpu::RenderPipeline,
+    pub(super) foliage: wgpu::RenderPipeline,
+    pub(super) layers: wgpu::RenderPipeline,
+    pub(super) wires: wgpu::RenderPipeline,
+    pub(super) bark_cast: wgpu::RenderPipeline,
+    pub(super) foliage_cast: wgpu::RenderPipeline,
+    pub(super) patches: wgpu::RenderPipeline,
 }
 
 const VERTEX: [VertexAttribute; 4] = [
@@ -284,6 +297,74 @@ impl Pipelines {
             cast_frame,
             ground_frame,
             pictures,
+        }
+    }
+}
+
+impl Pipelines {
+    /// Pipelines whose fourth bind group, of this layout, leads to the trees of a forest; those on the ground
+    /// have nothing in the third.
+    pub(super) fn forest(
+        &self,
+        device: &wgpu::Device,
+        forest: &wgpu::BindGroupLayout,
+        nothing: &wgpu::BindGroupLayout,
+    ) -> ForestPipelines {
+        let trees = shader::FORESTS.module(device);
+        let ground = shader::FOREST_GROUNDS.module(device);
+        let Layouts {
+            model, material, ..
+        } = &self.layouts;
+        let buffers = [Some(vertices()), Some(sways())];
+        let lit = [&self.frame, model, material, forest];
+        let tree = |label, fragment| Recipe {
+            buffers: &buffers,
+            fragment: Some(fragment),
+            target: Some(LIGHT),
+            depth: Some(depth(wgpu::CompareFunction::Greater, true, 0)),
+            samples: SAMPLES,
+            ..Recipe::new(label, &trees, &lit, "vs_forest")
+        };
+        let casting = [&self.cast_frame, model, material, forest];
+        let cast = |label, fragment| Recipe {
+            buffers: &buffers,
+            fragment,
+            depth: Some(depth(wgpu::CompareFunction::Less, true, 2)),
+            ..Recipe::new(label, &trees, &casting, "vs_forest_cast")
+        };
+        let grounded = [&self.cast_frame, &self.layouts.ground, nothing, forest];
+        ForestPipelines {
+            bark: Recipe {
+                cull: true,
+                ..tree("forest bark", "fs_bark")
+            }
+            .build(device),
+            foliage: tree("forest foliage", "fs_foliage").build(device),
+            layers: Recipe {
+                blend: Some(added()),
+                depth: Some(depth(wgpu::CompareFunction::Always, false, 0)),
+                ..tree("forest layers", "fs_layer")
+            }
+            .build(device),
+            wires: Recipe {
+                topology: wgpu::PrimitiveTopology::LineList,
+                ..tree("forest wires", "fs_wire")
+            }
+            .build(device),
+            bark_cast: cast("forest bark shadow", None).build(device),
+            foliage_cast: cast("forest foliage shadow", Some("fs_cast")).build(device),
+            patches: Recipe {
+                fragment: Some("fs_patch"),
+                target: Some(GROUND),
+                blend: Some(multiplied()),
+                ..Recipe::new(
+                    "forest ground shadows",
+                    &ground,
+                    &grounded,
+                    "vs_forest_patch",
+                )
+            }
+            .build(device),
         }
     }
 }

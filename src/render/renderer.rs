@@ -2,6 +2,7 @@
 
 use super::binding::group;
 use super::camera::Lens;
+use super::forest::{Forest, Woods};
 use super::model::{Lod, Model, Part, extent};
 use super::pipelines::Pipelines;
 use super::scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
@@ -14,10 +15,10 @@ use crate::math::{Bounds, PI, Vec3, float};
 use glam::{Mat4, Vec4};
 
 /// Samples of a pixel.
-const SAMPLES: u32 = 4;
+pub(super) const SAMPLES: u32 = 4;
 
 /// Texels along the shadow map's edge.
-const SHADOW_MAP: u32 = 2048;
+pub(super) const SHADOW_MAP: u32 = 2048;
 
 /// Edge of the auxiliary picture of the bilinear filter, as a part of the screen's ("slightly smaller",
 /// Candussi et al., section 2.3).
@@ -33,9 +34,11 @@ const HORIZON: Vec3 = Vec3::new(0.62, 0.74, 0.86);
 /// Draws scenes.
 #[derive(Debug)]
 pub struct Renderer {
-    gpu: Gpu,
-    pipelines: Pipelines,
-    models: Vec<Model>,
+    pub(super) gpu: Gpu,
+    pub(super) pipelines: Pipelines,
+    pub(super) models: Vec<Model>,
+    /// What forests share; made for the first one.
+    pub(super) woods: Option<Woods>,
     targets: Option<Targets>,
     frame: wgpu::Buffer,
     shadow_map: wgpu::TextureView,
@@ -106,6 +109,7 @@ impl Renderer {
             gpu: gpu.clone(),
             pipelines,
             models: Vec::new(),
+            woods: None,
             targets: None,
             frame,
             shadow_map,
@@ -168,6 +172,15 @@ impl Renderer {
     /// # Errors
     /// If the size is more than the adapter allows, or the device fails.
     pub fn picture(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Image<[u8; 4]>, GpuError> {
+        self.picture_with(scene, None, size)
+    }
+
+    pub(super) fn picture_with(
+        &mut self,
+        scene: &Scene,
+        forest: Option<&mut Forest>,
+        size: [u32; 2],
+    ) -> Result<Image<[u8; 4]>, GpuError> {
         self.gpu.check_edge("a picture", size[0].max(size[1]))?;
         let texture = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("picture"),
@@ -180,7 +193,7 @@ impl Renderer {
             view_formats: &[],
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut encoder = self.draw(scene, &view, size)?;
+        let mut encoder = self.frame(scene, forest, &view, size)?;
         let readback = Readback::record(&self.gpu, &mut encoder, &texture);
         self.gpu.queue.submit([encoder.finish()]);
         readback.wait(&self.gpu)
@@ -198,6 +211,17 @@ impl Renderer {
         output: &wgpu::TextureView,
         size: [u32; 2],
     ) -> Result<wgpu::CommandEncoder, GpuError> {
+        self.frame(scene, None, output, size)
+    }
+
+    /// The commands that draw a scene, and a forest where there is one.
+    pub(super) fn frame(
+        &mut self,
+        scene: &Scene,
+        mut forest: Option<&mut Forest>,
+        output: &wgpu::TextureView,
+        size: [u32; 2],
+    ) -> Result<wgpu::CommandEncoder, GpuError> {
         let mut encoder = self
             .gpu
             .device
@@ -212,22 +236,28 @@ impl Renderer {
             Some(targets) => targets,
             None => Targets::new(&self.gpu, inner, SAMPLES)?,
         };
-        let uniforms = self.uniforms(scene, inner);
+        let mut uniforms = self.uniforms(scene, inner);
+        if let Some(forest) = &mut forest {
+            Self::suit_forest(forest, scene, &mut uniforms);
+            self.choose(&mut encoder, forest, scene, inner);
+        }
+        let forest = forest.as_deref();
         self.gpu
             .queue
             .write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
         let cast = Cast::of(scene, &uniforms);
-        let stale = scene.setting.shadow_map && self.cast.as_ref() != Some(&cast);
+        let is_known = forest.is_none() && self.cast.as_ref() == Some(&cast);
+        let stale = scene.setting.shadow_map && !is_known;
         let drawn = self.drawn(scene);
         if stale {
-            self.cast(&mut encoder, &drawn);
+            self.cast(&mut encoder, &drawn, forest);
         }
-        self.backdrop(&mut encoder, &targets, scene, &drawn);
-        self.trees(&mut encoder, &targets, scene.view, &drawn);
+        self.backdrop(&mut encoder, &targets, scene, &drawn, forest);
+        self.trees(&mut encoder, &targets, scene.view, &drawn, forest);
         self.present(&mut encoder, &targets, output);
         drop(drawn);
         if stale {
-            self.cast = Some(cast);
+            self.cast = forest.is_none().then_some(cast);
         }
         self.targets = Some(targets);
         Ok(encoder)
@@ -348,7 +378,12 @@ impl Renderer {
         all
     }
 
-    fn cast(&self, encoder: &mut wgpu::CommandEncoder, drawn: &[Drawn<'_>]) {
+    fn cast(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        drawn: &[Drawn<'_>],
+        forest: Option<&Forest>,
+    ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow map"),
             depth_stencil_attachment: Some(depth_attachment(&self.shadow_map, 1.0)),
@@ -361,6 +396,9 @@ impl Renderer {
             pass.set_pipeline(&self.pipelines.foliage_cast);
             tree.draw(&mut pass, tree.lod.foliage.as_ref(), &tree.model.foliage);
         }
+        if let Some(forest) = forest {
+            self.cast_forest(&mut pass, forest);
+        }
     }
 
     fn backdrop(
@@ -369,6 +407,7 @@ impl Renderer {
         targets: &Targets,
         scene: &Scene,
         drawn: &[Drawn<'_>],
+        forest: Option<&Forest>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("ground shadows"),
@@ -386,6 +425,9 @@ impl Renderer {
                 pass.set_bind_group(1, &tree.model.ground_group, &[]);
                 pass.set_vertex_buffer(0, tree.instances.slice(..));
                 pass.draw(0..6, 0..tree.count);
+            }
+            if let Some(forest) = forest {
+                self.shade_ground(&mut pass, forest);
             }
         }
         drop(pass);
@@ -420,6 +462,7 @@ impl Renderer {
         targets: &Targets,
         view: ViewMode,
         drawn: &[Drawn<'_>],
+        forest: Option<&Forest>,
     ) {
         let (target, resolve) = match &targets.samples {
             Some(samples) => (samples, Some(&targets.trees)),
@@ -454,6 +497,9 @@ impl Renderer {
                     tree.draw(&mut pass, part.as_ref(), material);
                 }
             }
+        }
+        if let Some(forest) = forest {
+            self.draw_trees(&mut pass, forest, view);
         }
     }
 
@@ -594,7 +640,7 @@ fn inner_size(size: [u32; 2], filter: Filter) -> [u32; 2] {
 }
 
 /// World to the shadow map for a sun, and the edge in metres of what it shows.
-fn light_projection(bounds: &Bounds, sun: Vec3) -> (Mat4, f32) {
+pub(super) fn light_projection(bounds: &Bounds, sun: Vec3) -> (Mat4, f32) {
     let side = if sun.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
     let right = side.cross(sun).normalize_or(Vec3::X);
     let up = sun.cross(right);

@@ -11,6 +11,7 @@ use super::subject::{Source, Subject};
 use super::viewport::{Viewport, write};
 use super::watch::{Watch, Watched};
 use crate::gpu::GpuError;
+use crate::render::forest::ForestError;
 use eframe::egui::{self, Align2, Panel, Ui, vec2};
 use eframe::egui_wgpu::RenderState;
 use std::path::PathBuf;
@@ -187,14 +188,14 @@ impl App {
                     self.subject = Some(subject);
                     self.fault = None;
                 }
-                Err(error) => self.fail(&error),
+                Err(error) => self.fail(&error.into()),
             }
         }
     }
 
     /// A fault of the adapter: told, or the end of this window.
-    fn fail(&mut self, error: &GpuError) {
-        if matches!(error, GpuError::Lost(_)) {
+    fn fail(&mut self, error: &ForestError) {
+        if matches!(error, ForestError::Gpu(GpuError::Lost(_))) {
             self.lost = true;
             let mut legacy = self.legacy.lock().unwrap_or_else(PoisonError::into_inner);
             *legacy = Some(Kept {
@@ -346,7 +347,7 @@ impl App {
         });
         panel::help(ui.ctx(), &mut self.settings.help);
         if let Err(error) = self.view.check() {
-            self.fail(&error);
+            self.fail(&error.into());
         }
         if self.lost || (self.stop)() {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);

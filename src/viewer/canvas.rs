@@ -4,6 +4,7 @@ use super::subject::Subject;
 use crate::gpu::{Gpu, GpuError};
 use crate::image::Image;
 use crate::math::{Vec3, float, round_to_u32};
+use crate::render::forest::{Forest, ForestError, ForestTree};
 use crate::render::{Renderer, Scene};
 use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
@@ -19,7 +20,22 @@ pub(super) struct Canvas {
     window: Window,
     picture: Option<Picture>,
     /// What the picture shows, so that nothing is drawn twice.
-    drawn: Option<(Scene, [u32; 2])>,
+    drawn: Option<(Scene, Woods, [u32; 2])>,
+    /// A forest on the device, and the trees that it was made of.
+    forest: Option<(Vec<ForestTree>, Forest)>,
+}
+
+/// How the trees of a forest are to be drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Woods {
+    /// Their LOD; by distance if `None`.
+    pub(super) lod: Option<u32>,
+    /// How much coarser than measured to be needed.
+    pub(super) coarser: usize,
+    /// Seconds that a switch of LODs takes.
+    pub(super) fade: f32,
+    /// Seconds since the frame before.
+    pub(super) seconds: f32,
 }
 
 #[derive(Debug)]
@@ -37,6 +53,13 @@ impl std::fmt::Debug for Window {
     }
 }
 
+impl Woods {
+    /// True if the same trees are drawn with the same LODs.
+    fn is_as(&self, other: &Self) -> bool {
+        (self.lod, self.coarser) == (other.lod, other.coarser)
+    }
+}
+
 impl Canvas {
     /// A canvas without a tree.
     ///
@@ -50,6 +73,7 @@ impl Canvas {
             window: Window(state.clone()),
             picture: None,
             drawn: None,
+            forest: None,
         })
     }
 
@@ -66,6 +90,7 @@ impl Canvas {
     pub(super) fn show(&mut self, subject: &Subject) -> Result<(), GpuError> {
         self.renderer.replace(0, &subject.drawable())?;
         self.drawn = None;
+        self.forest = None;
         Ok(())
     }
 
@@ -90,25 +115,64 @@ impl Canvas {
         [shrunk(width), shrunk(height)]
     }
 
-    /// Draws a scene into the picture, unless that shows it already; says how many seconds it took.
+    /// Draws a scene, and the trees of a forest, into the picture, unless that shows it already; says how many
+    /// seconds it took.
     ///
     /// # Errors
-    /// If the device fails.
-    pub(super) fn draw(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Option<f32>, GpuError> {
-        let same = |(drawn, drawn_size): &(Scene, [u32; 2])| drawn == scene && *drawn_size == size;
-        if size.contains(&0) || self.drawn.as_ref().is_some_and(same) {
+    /// If the device fails, or the forest is too large for it.
+    pub(super) fn draw(
+        &mut self,
+        scene: &Scene,
+        (trees, woods): (&[ForestTree], Woods),
+        size: [u32; 2],
+    ) -> Result<Option<f32>, ForestError> {
+        let same = |(drawn, drawn_woods, drawn_size): &(Scene, Woods, [u32; 2])| {
+            drawn == scene && *drawn_size == size && drawn_woods.is_as(&woods)
+        };
+        let planted = trees.is_empty() || self.forest.as_ref().is_some_and(|(t, _)| t == trees);
+        if size.contains(&0) || planted && self.drawn.as_ref().is_some_and(same) {
             return Ok(None);
         }
         let begun = Instant::now();
         let view = self.target(size);
-        let encoder = self.renderer.draw(scene, &view, size)?;
-        let gpu = self.renderer.gpu();
-        gpu.queue.submit([encoder.finish()]);
+        self.plant(trees, woods)?;
+        let encoder = match &mut self.forest {
+            Some((_, forest)) => self.renderer.draw_forest(forest, scene, &view, size),
+            None => self.renderer.draw(scene, &view, size),
+        };
+        self.renderer.gpu().queue.submit([encoder?.finish()]);
         // To be told how long it took, and so that no more than one frame waits to be drawn: the answer to a
         // drag would lag behind.
-        gpu.finish()?;
-        self.drawn = Some((scene.clone(), size));
+        self.renderer.gpu().finish()?;
+        self.drawn = Some((scene.clone(), woods, size));
         Ok(Some(begun.elapsed().as_secs_f32()))
+    }
+
+    /// Trees of each LOD that the forest drawn last showed, and their triangles.
+    pub(super) fn counts(&self) -> Option<(Vec<usize>, u64)> {
+        let (_, forest) = self.forest.as_ref()?;
+        let lists = forest.lists(self.renderer.gpu()).ok()?;
+        let counts = forest.counts(&lists, self.renderer.models());
+        Some((counts.by_lod, counts.triangles))
+    }
+
+    /// Puts a forest of these trees on the device, if another one is there.
+    fn plant(&mut self, trees: &[ForestTree], woods: Woods) -> Result<(), ForestError> {
+        if trees.is_empty() {
+            self.forest = None;
+            return Ok(());
+        }
+        if self.forest.as_ref().is_none_or(|(t, _)| t != trees) {
+            let forest = self.renderer.forest(trees)?;
+            self.forest = Some((trees.to_vec(), forest));
+        }
+        if let Some((_, forest)) = &mut self.forest {
+            forest.settings.lod = woods.lod;
+            forest.settings.detail = (0..woods.coarser).fold(1.0, |detail, _| detail * 0.5);
+            forest.settings.fade_seconds = woods.fade;
+            forest.settings.frame_seconds = woods.seconds;
+        }
+        Ok(())
     }
 
     /// What was drawn last.
@@ -125,9 +189,15 @@ impl Canvas {
     pub(super) fn still(
         &mut self,
         scene: &Scene,
+        (trees, woods): (&[ForestTree], Woods),
         size: [u32; 2],
-    ) -> Result<Image<[u8; 4]>, GpuError> {
-        self.renderer.picture(scene, size)
+    ) -> Result<Image<[u8; 4]>, ForestError> {
+        self.plant(trees, woods)?;
+        let picture = match &mut self.forest {
+            Some((_, forest)) => self.renderer.picture_of_forest(forest, scene, size),
+            None => self.renderer.picture(scene, size),
+        };
+        Ok(picture?)
     }
 
     /// What the driver told of anything done since the last call, also by the window itself.

@@ -11,8 +11,8 @@ use crate::math::float;
 use crate::render::{Filter, LightMode};
 use eframe::egui::{self, Color32, RichText, Slider, Stroke, Ui, pos2, vec2};
 
-/// Seconds at the upper edge of the graph of frame times, unless a frame took longer.
-const GRAPH: f32 = 0.1;
+/// Seconds at the upper edge of the graph of frame times; what took longer is cut off there.
+const GRAPH: f32 = 0.15;
 
 /// What a person asked for in the panel that is no setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -279,8 +279,7 @@ fn graph(ui: &mut Ui, frames: &Frames) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Frame times"));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, Color32::from_gray(18));
-    let top = frames.slowest().max(GRAPH) * 1.05;
-    let height = |seconds: f32| rect.bottom() - rect.height() * (seconds / top);
+    let height = |seconds: f32| rect.bottom() - rect.height() * (seconds / GRAPH).min(1.0);
     #[expect(clippy::cast_precision_loss, reason = "a hundred or so")]
     let wide = rect.width() / KEPT as f32;
     let count = u32::try_from(frames.times().len()).unwrap_or(0);

@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn wind_that_is_off_is_still() {
         let mut breeze = Breeze::default();
-        assert_eq!(breeze.wind().speed, 0.0);
+        assert_eq!(breeze.wind().speed_m_s, 0.0);
         assert!(!breeze.moves());
         breeze.on = true;
         assert!(breeze.moves() && breeze.wind().speed_m_s > 0.0);

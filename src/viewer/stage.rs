@@ -3,11 +3,15 @@
 use super::level::{self, Choice};
 use super::settings::{Arrangement, Settings};
 use super::subject::LodFacts;
-use crate::math::{Bounds, TAU, Vec3, float};
+use crate::math::{Bounds, Vec3, float};
+use crate::render::forest::{ForestTree, Planting, plant};
 use crate::render::{Camera, Group, Instance, Scene};
 
-/// Trees that a forest view frames: those nearest to its middle.
+/// Trees that a view of a forest frames: those nearest to its middle.
 const FRAMED: usize = 60;
+
+/// Least triangles of a LOD that stands in for a finer one: those of fewer are not to be seen near.
+const HURRIED: u64 = 1_500;
 
 /// Distance between neighbours in a strip, in widths of the tree.
 const STRIP_GAP: f32 = 1.06;
@@ -32,6 +36,7 @@ pub struct Shown {
 #[derive(Clone, Debug, Default)]
 pub struct Stage {
     places: Vec<Instance>,
+    forest: Vec<ForestTree>,
     last: Vec<Option<usize>>,
     made_for: Option<(Arrangement, usize, usize, f32)>,
 }
@@ -46,6 +51,13 @@ pub struct Cast<'a> {
 }
 
 impl Cast<'_> {
+    /// The coarsest LOD that stands in for a finer one while something moves.
+    #[must_use]
+    pub fn coarsest_in_a_hurry(&self) -> usize {
+        let fine = |lod: &LodFacts| lod.triangles >= HURRIED;
+        self.lods.iter().rposition(fine).unwrap_or(0)
+    }
+
     /// Width of a circle about the trunk that holds it, metres.
     fn width(&self) -> f32 {
         let reach = self.bounds.corners().map(|c| libm::hypotf(c.x, c.z));
@@ -76,6 +88,7 @@ impl Stage {
         let height = cast.bounds.size().y;
         let middle = Vec3::Y * (cast.bounds.centre().y);
         let limit = |lod: usize| cast.lods.get(lod).map_or(0.0, |l| l.screen_size);
+        let floor = cast.coarsest_in_a_hurry();
         let mut shown = Shown::default();
         for (index, (tree, last)) in self.places.iter().zip(&mut self.last).enumerate() {
             let [x, y, z, size] = tree.place;
@@ -87,7 +100,7 @@ impl Stage {
                 (_, Choice::ByDistance) => {
                     let lod = level::by_size(limit, count, part, *last);
                     *last = Some(lod);
-                    (lod + coarser).min(count - 1)
+                    (lod + coarser).min(floor.max(lod))
                 }
             };
             if index == 0 {
@@ -125,14 +138,20 @@ impl Stage {
         self.places.iter().map(place).collect()
     }
 
+    /// The trees of a forest, whose LODs the renderer chooses; none in other arrangements.
+    pub fn forest(&mut self, cast: &Cast<'_>, settings: &Settings) -> &[ForestTree] {
+        self.arrange(cast, settings);
+        &self.forest
+    }
+
     /// Points that a camera is to frame, given those of one tree.
     pub fn frame(&mut self, cast: &Cast<'_>, settings: &Settings, hull: &[Vec3]) -> Vec<Vec3> {
         self.arrange(cast, settings);
-        let framed = self.places.iter().take(FRAMED);
-        let all = framed.flat_map(|tree| {
-            let [x, y, z, size] = tree.place;
-            hull.iter().map(move |&p| Vec3::new(x, y, z) + p * size)
-        });
+        let wood = self.forest.iter().take(FRAMED);
+        let bases = self.places.iter().map(|t| t.place);
+        let bases = bases.chain(wood.map(|t| [t.place[0], t.place[1], t.place[2], t.size]));
+        let all = bases
+            .flat_map(|[x, y, z, size]| hull.iter().map(move |&p| Vec3::new(x, y, z) + p * size));
         all.collect()
     }
 
@@ -147,7 +166,11 @@ impl Stage {
         self.places = match arrangement {
             Arrangement::Single => vec![Instance::at(Vec3::ZERO, 0.0, 1.0)],
             Arrangement::Strip => strip(cast.lods.len(), width * STRIP_GAP),
+            Arrangement::Forest => Vec::new(),
+        };
+        self.forest = match arrangement {
             Arrangement::Forest => forest(settings.trees, width * FOREST_GAP),
+            _ => Vec::new(),
         };
         self.last = vec![None; self.places.len()];
         self.made_for = Some(wanted);
@@ -163,28 +186,16 @@ fn strip(count: usize, gap: f32) -> Vec<Instance> {
     (0..count).map(tree).collect()
 }
 
-/// Trees all over a disc, about `gap` from one another, no two alike; the first stands in the middle.
-fn forest(count: usize, gap: f32) -> Vec<Instance> {
-    // A sunflower's seeds (Vogel 1979) shifted a little: even density, and no rows.
-    let tree = |index: usize| {
-        let i = float_of(index);
-        let [a, b, c, d] = [0.754_877_7, 0.569_840_3, 0.819_172_5, 0.671_043_6]
-            .map(|step: f32| (i * step).fract());
-        let (x, z) = libm::sincosf(i * 2.399_963_2);
-        let away = i.sqrt() * gap * 0.56;
-        let shift = if index == 0 { 0.0 } else { 0.35 * gap };
-        let place = Vec3::new(
-            x * away + (a - 0.5) * shift,
-            0.0,
-            z * away + (b - 0.5) * shift,
-        );
-        let mut tree = Instance::at(place, c * TAU, 0.8 + 0.4 * d);
-        tree.turn[2] = a;
-        let warm = 0.92 + 0.16 * b;
-        tree.tint = [warm, 0.94 + 0.1 * c, 1.0 / warm, 1.0];
-        tree
-    };
-    (0..count).map(tree).collect()
+/// Trees of a forest, about `gap` from one another, no two alike; those in its middle come first.
+fn forest(count: usize, gap: f32) -> Vec<ForestTree> {
+    let mut trees = plant(&Planting {
+        trees: u32::try_from(count).unwrap_or(u32::MAX),
+        spacing_m: gap,
+        ..Planting::default()
+    });
+    let away = |tree: &ForestTree| libm::hypotf(tree.place[0], tree.place[2]);
+    trees.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    trees
 }
 
 fn float_of(index: usize) -> f32 {
@@ -234,7 +245,7 @@ mod tests {
         let (mut stage, settings) = (Stage::default(), Settings::default());
         let mut before = shown(&mut stage, &settings, 8.0, 0);
         assert_eq!(before.lod, 0);
-        for away in [16.0, 32.0, 64.0, 128.0, 256.0, 512.0] {
+        for away in [16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0] {
             let now = shown(&mut stage, &settings, away, 0);
             assert!(now.triangles <= before.triangles && now.part < before.part);
             before = now;
@@ -263,9 +274,11 @@ mod tests {
     #[test]
     fn hurry_makes_lods_coarser_and_does_not_last() {
         let (mut stage, settings) = (Stage::default(), Settings::default());
-        assert_eq!(shown(&mut stage, &settings, 8.0, 2).lod, 2);
-        assert_eq!(shown(&mut stage, &settings, 8.0, 9).lod, 3);
+        assert_eq!(shown(&mut stage, &settings, 8.0, 1).lod, 1);
+        // LODs of a few hundred triangles are for far trees only, and stay there.
+        assert_eq!(shown(&mut stage, &settings, 8.0, 9).lod, 1);
         assert_eq!(shown(&mut stage, &settings, 8.0, 0).lod, 0);
+        assert_eq!(shown(&mut stage, &settings, 900.0, 9).lod, 3);
     }
 
     #[test]
@@ -290,22 +303,32 @@ mod tests {
     }
 
     #[test]
-    fn a_forest_has_coarse_lods_far_away_and_no_two_trees_in_one_place() {
+    fn a_forest_has_all_its_trees_those_in_its_middle_first_and_none_in_a_strip() {
         let settings = Settings {
             arrangement: Arrangement::Forest,
             ..Settings::default()
         };
+        let lods = lods();
+        let cast = Cast {
+            lods: &lods,
+            bounds: BOUNDS,
+        };
         let mut stage = Stage::default();
-        let shown = shown(&mut stage, &settings, 20.0, 0);
-        assert_eq!(shown.trees.iter().sum::<usize>(), settings.trees);
-        assert!(shown.trees[2] > shown.trees[0], "{:?}", shown.trees);
-        let at = |tree: &Instance| Vec3::new(tree.place[0], 0.0, tree.place[2]);
-        for (index, tree) in stage.places.iter().enumerate() {
-            for other in &stage.places[..index] {
-                let away = at(tree).distance(at(other));
-                assert!(away > 1.5, "{index}: {away}");
-            }
-        }
-        assert_eq!(at(&stage.places[0]), Vec3::ZERO);
+        let away: Vec<f32> = stage
+            .forest(&cast, &settings)
+            .iter()
+            .map(|tree| libm::hypotf(tree.place[0], tree.place[2]))
+            .collect();
+        assert_eq!(away.len(), settings.trees);
+        assert!(away.is_sorted() && away[0] < 10.0, "{}", away[0]);
+        let framed = stage.frame(&cast, &settings, &[Vec3::ZERO]);
+        assert_eq!(framed.len(), FRAMED);
+        let (scene, _) = stage.scene(&cast, &settings, camera(30.0), 0);
+        assert!(scene.groups.is_empty(), "the renderer draws the forest");
+        let strip = Settings {
+            arrangement: Arrangement::Strip,
+            ..settings
+        };
+        assert!(stage.forest(&cast, &strip).is_empty());
     }
 }

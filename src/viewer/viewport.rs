@@ -1,7 +1,7 @@
 //! The view of a tree, to be put into any egui window: its camera, what the mouse does in it, how fine it is
 //! drawn, and what is written over it.
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Woods};
 use super::keys;
 use super::level::Choice;
 use super::pace::{Frames, Pace, Quality, REST};
@@ -12,6 +12,7 @@ use super::subject::Subject;
 use crate::gpu::GpuError;
 use crate::image::Image;
 use crate::math::{TAU, Vec3, float, round_to_u32};
+use crate::render::forest::ForestError;
 use crate::render::{Camera, Scene};
 use eframe::egui::{self, Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
@@ -29,6 +30,9 @@ const LONGEST: f32 = 0.25;
 /// Height of the camera over the horizon, radians, where a strip and a forest are framed.
 const STRIP_ELEVATION: f32 = 0.05;
 const FOREST_ELEVATION: f32 = 0.2;
+
+/// Seconds in which a tree of a forest goes over to another LOD while something moves.
+const FADE: f32 = 0.4;
 
 /// A view and its camera.
 #[derive(Debug)]
@@ -147,12 +151,14 @@ impl Viewport {
         &mut self,
         subject: &Subject,
         settings: &Settings,
-    ) -> Result<Image<[u8; 4]>, GpuError> {
+    ) -> Result<Image<[u8; 4]>, ForestError> {
         let (scene, _) = self
             .stage
             .scene(&cast(subject), settings, self.rig.camera(), 0);
         let size = self.canvas.fitting(self.size.map(|edge| edge.max(1)));
-        self.canvas.still(&scene, size)
+        let trees = self.stage.forest(&cast(subject), settings);
+        let woods = woods(settings, 0, 0.0);
+        self.canvas.still(&scene, (trees, woods), size)
     }
 
     /// The scene that is shown at rest.
@@ -175,7 +181,7 @@ impl Viewport {
         ui: &mut Ui,
         settings: &mut Settings,
         subject: Option<&Subject>,
-    ) -> Result<Response, GpuError> {
+    ) -> Result<Response, ForestError> {
         let room = ui.available_size();
         let (rect, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
         let scale = ui.ctx().pixels_per_point();
@@ -254,7 +260,7 @@ impl Viewport {
     }
 
     /// Draws what is to be seen, as fine as there is time for, unless it is there already.
-    fn draw(&mut self, ui: &Ui, settings: &Settings, subject: &Subject) -> Result<(), GpuError> {
+    fn draw(&mut self, ui: &Ui, settings: &Settings, subject: &Subject) -> Result<(), ForestError> {
         let now = ui.input(|i| i.time);
         let moves = self.moves(settings);
         if moves {
@@ -272,19 +278,29 @@ impl Viewport {
         }
         let most = match costly {
             (Arrangement::Strip, _) | (_, Choice::Fixed(_)) => 0,
-            _ => subject.lods.len().saturating_sub(1),
+            _ => cast(subject).coarsest_in_a_hurry(),
         };
         let wanted = if hurried && !moves {
             self.quality
         } else {
             self.pace.quality(hurried, most)
         };
-        let (scene, shown) =
-            self.stage
-                .scene(&cast(subject), settings, self.rig.camera(), wanted.coarser);
+        let cast = cast(subject);
+        let camera = self.rig.camera();
+        let (scene, mut shown) = self.stage.scene(&cast, settings, camera, wanted.coarser);
         let size = self.canvas.fitting(scaled(self.size, wanted.factor));
-        if let Some(seconds) = self.canvas.draw(&scene, size)? {
+        let seconds = if moves {
+            ui.input(|i| i.stable_dt)
+        } else {
+            0.0
+        };
+        let trees = self.stage.forest(&cast, settings);
+        let woods = woods(settings, wanted.coarser, seconds);
+        if let Some(seconds) = self.canvas.draw(&scene, (trees, woods), size)? {
             self.pace.observe(wanted, seconds);
+            if let Some((trees, triangles)) = self.canvas.counts() {
+                (shown.trees, shown.triangles) = (trees, triangles);
+            }
             (self.shown, self.quality) = (shown, wanted);
             let whole = self.before.filter(|_| moves).map(|before| now - before);
             #[expect(clippy::cast_possible_truncation, reason = "a frame's time")]
@@ -312,6 +328,20 @@ fn cast(subject: &Subject) -> Cast<'_> {
     Cast {
         lods: &subject.lods,
         bounds: subject.bounds,
+    }
+}
+
+/// How a forest is drawn after a frame of so many seconds; 0 for a picture that stays, where no LOD is half
+/// faded in.
+fn woods(settings: &Settings, coarser: usize, seconds: f32) -> Woods {
+    Woods {
+        lod: match settings.choice {
+            Choice::ByDistance => None,
+            Choice::Fixed(lod) => u32::try_from(lod).ok(),
+        },
+        coarser,
+        fade: if seconds > 0.0 { FADE } else { 0.0 },
+        seconds,
     }
 }
 

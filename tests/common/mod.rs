@@ -5,6 +5,8 @@
 
 #[cfg(feature = "gpu")]
 pub(crate) mod adapter;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 
 use std::path::{Path, PathBuf};
 

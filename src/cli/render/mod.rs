@@ -2,6 +2,8 @@
 
 mod animation;
 mod painter;
+#[cfg(feature = "gpu")]
+mod wood;
 
 use self::painter::{Brush, Shot};
 use super::args::{self, Painter, Render, What};
@@ -26,15 +28,19 @@ pub(crate) fn run(args: &Render) -> Result<End, Failure> {
         What::Still | What::Strip | What::Sheet | What::Turntable | What::Sway => {
             draw(args, &trees, &mut painter::brush(args)?)?;
         }
+        What::Forest => {
+            let drawables: Vec<Drawable<'_>> = trees.iter().map(Subject::drawable).collect();
+            save(args, &painter::brush(args)?.forest(&drawables, args)?)?;
+        }
     }
     Ok(End::Done)
 }
 
 /// Faults of the command line that would otherwise be found after the work.
 fn check(args: &Render) -> Result<(), Failure> {
-    if args.paths.len() > 1 && args.what != What::Sheet {
+    if args.paths.len() > 1 && !matches!(args.what, What::Sheet | What::Forest) {
         return Err(Failure::usage(format!(
-            "{} trees were given; write one, or ask for a contact sheet with --what sheet",
+            "{} trees were given; write one, or ask for a contact sheet or a wood with --what sheet or --what forest",
             args.paths.len()
         )));
     }

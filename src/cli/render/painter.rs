@@ -58,7 +58,7 @@ impl Look {
 impl Shot {
     pub(super) fn of(args: &Render, lod: usize) -> Self {
         Self {
-            size: args.size,
+            size: args.size(),
             lod,
             camera: args.camera,
             sun: args.sun,
@@ -172,6 +172,25 @@ impl Brush {
         }
     }
 
+    /// Draws a wood of several trees.
+    pub(super) fn forest(
+        &mut self,
+        trees: &[Drawable<'_>],
+        args: &Render,
+    ) -> Result<Image<[u8; 4]>, Failure> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(brush) => brush.forest(trees, args),
+            Self::Cpu => {
+                let _ = (trees, args);
+                Err(Failure::usage(
+                    "--what forest needs the GPU renderer: a build with the feature `gpu`, and a graphics driver (on \
+                     Debian and Ubuntu `apt install mesa-vulkan-drivers` brings one that needs no graphics card)",
+                ))
+            }
+        }
+    }
+
     /// Lets go of the tree that was drawn last: another one comes.
     pub(super) fn forget(&mut self) {
         #[cfg(feature = "gpu")]
@@ -192,7 +211,7 @@ fn blown(tree: &Drawable<'_>, shot: &Shot) -> Option<Mesh> {
 }
 
 #[cfg(feature = "gpu")]
-mod gpu {
+pub(super) mod gpu {
     use super::super::super::Failure;
     use super::super::super::args::{Blend, Light, Show};
     use super::Shot;
@@ -204,7 +223,7 @@ mod gpu {
 
     /// A device with the tree that was drawn last.
     pub(in super::super) struct Brush {
-        renderer: Renderer,
+        pub(in super::super) renderer: Renderer,
     }
 
     pub(in super::super) fn failure(error: &GpuError) -> Failure {
@@ -240,33 +259,38 @@ mod gpu {
             let [turn, height] = shot.camera.map(f32::to_radians);
             let orbit = Orbit::around(hull, turn, height, render::PORTRAIT, aspect);
             let mut scene = Scene::of_one(orbit.camera(), 0, shot.lod);
-            scene.setting = Setting {
-                sun: shot.to_sun(),
-                backdrop: !shot.look.transparent,
-                light: match shot.look.light {
-                    Light::Product => LightMode::Product,
-                    Light::FourFactors => LightMode::FourFactors,
-                },
-                leaves_face_sun: shot.look.light == Light::FourFactors,
-                ..Setting::default()
-            };
-            scene.wind = shot.wind();
-            scene.time = shot.time;
-            scene.view = match shot.look.view {
-                Show::Lit => ViewMode::Lit,
-                Show::Lods => ViewMode::Lods,
-                Show::Normals => ViewMode::Normals,
-                Show::Albedo => ViewMode::Albedo,
-                Show::Overdraw => ViewMode::Overdraw,
-                Show::Wire => ViewMode::Wire,
-            };
-            scene.filter = match shot.look.filter {
-                Blend::None => Filter::None,
-                Blend::Bilinear => Filter::Bilinear,
-                Blend::Alpha => Filter::Alpha,
-                Blend::Combined => Filter::Combined,
-            };
+            dress(&mut scene, shot);
             self.renderer.picture(&scene, shot.size)
         }
+    }
+
+    /// Light and looks as the command line has them.
+    pub(in super::super) fn dress(scene: &mut Scene, shot: &Shot) {
+        scene.setting = Setting {
+            sun: shot.to_sun(),
+            backdrop: !shot.look.transparent,
+            light: match shot.look.light {
+                Light::Product => LightMode::Product,
+                Light::FourFactors => LightMode::FourFactors,
+            },
+            leaves_face_sun: shot.look.light == Light::FourFactors,
+            ..Setting::default()
+        };
+        scene.wind = shot.wind();
+        scene.time = shot.time;
+        scene.view = match shot.look.view {
+            Show::Lit => ViewMode::Lit,
+            Show::Lods => ViewMode::Lods,
+            Show::Normals => ViewMode::Normals,
+            Show::Albedo => ViewMode::Albedo,
+            Show::Overdraw => ViewMode::Overdraw,
+            Show::Wire => ViewMode::Wire,
+        };
+        scene.filter = match shot.look.filter {
+            Blend::None => Filter::None,
+            Blend::Bilinear => Filter::Bilinear,
+            Blend::Alpha => Filter::Alpha,
+            Blend::Combined => Filter::Combined,
+        };
     }
 }
