@@ -156,7 +156,9 @@ impl Viewport {
             .stage
             .scene(&cast(subject), settings, self.rig.camera(), 0);
         let size = self.canvas.fitting(self.size.map(|edge| edge.max(1)));
-        self.canvas.still(&scene, size)
+        let trees = self.stage.forest(&cast(subject), settings);
+        let woods = woods(settings, 0, 0.0);
+        self.canvas.still(&scene, (trees, woods), size)
     }
 
     /// The scene that is shown at rest.
