@@ -76,7 +76,7 @@ fn main() -> Result<(), Failure> {
         let calls = [Calls::EachTree, Calls::Indirect];
         let [each, indirect] = bench.compare(&options, calls)?;
         let reached = bench.reached.clone();
-        println!("{}", line(row, &bench, fps, &each, &indirect));
+        println!("{}", line(&bench, fps, &each, &indirect));
         println!("      LODs of {reached:?} triangles, budgets {budgets:?}");
         bench.save(&options, &format!("row{row}"))?;
     }
@@ -95,7 +95,7 @@ fn main() -> Result<(), Failure> {
 const HEAD: &str = "\
 trees   triangles  | paper ms | a call a tree: calls  CPU ms  frame ms | indirect: calls  CPU ms  frame ms  GPU ms | CPU less  frame less";
 
-fn line(_: usize, bench: &Bench, fps: f64, each: &Times, indirect: &Times) -> String {
+fn line(bench: &Bench, fps: f64, each: &Times, indirect: &Times) -> String {
     format!(
         "{:>6} {:>10}  | {:>8.1} | {:>20} {:>7.2} {:>9.1} | {:>15} {:>7.3} {:>9.1} {:>7} | {:>7.1}x {:>9.2}x",
         bench.forest.trees().len(),
@@ -131,7 +131,6 @@ struct Bench {
     forest: Forest,
     scene: Scene,
     output: wgpu::TextureView,
-    texture: wgpu::Texture,
     /// Triangles of the LODs.
     reached: Vec<u64>,
 }
@@ -193,7 +192,6 @@ impl Bench {
         });
         Ok(Self {
             output: texture.create_view(&wgpu::TextureViewDescriptor::default()),
-            texture,
             reached: asset.lods.iter().map(|l| l.mesh.triangles()).collect(),
             renderer,
             forest,
@@ -439,7 +437,8 @@ fn against_full_meshes(gpu: &Gpu, options: &Options) -> Result<(), Failure> {
         let [times] = bench.compare(options, [Calls::Indirect])?;
         let picture = bench.picture()?;
         let rgb = |image: &Image<[u8; 4]>| image.map(|&[r, g, b, _]| [r, g, b]);
-        let errors = flip::flip(&rgb(&reference), &rgb(&picture), flip::PIXELS_PER_DEGREE)?;
+        let errors = flip::flip(&rgb(&reference), &rgb(&picture), flip::PIXELS_PER_DEGREE)
+            .ok_or("pictures of two sizes")?;
         let all = flip::masked_mean(&errors, &vec![true; covered.len()]);
         println!(
             "      detail {detail:>4}: {:>9} triangles, mean FLIP {all:.4} (where trees are {:.4}), frame {:>7.1} ms, \
@@ -451,6 +450,5 @@ fn against_full_meshes(gpu: &Gpu, options: &Options) -> Result<(), Failure> {
         );
         bench.save(options, &format!("detail{detail}"))?;
     }
-    let _ = &bench.texture;
     Ok(())
 }

@@ -57,21 +57,25 @@ fn mottle(p: vec2<f32>) -> f32 {
 // Albedo of the ground: turf, drier here and there, with detail that fades before it could shimmer.
 // `footprint` is the length of a pixel on it, metres.
 fn turf(p: vec2<f32>, footprint: f32) -> vec3<f32> {
-    var level = 0.0;
+    var patches = 0.0;
+    var tufts = 0.0;
     var scale = 0.06;
-    var strength = 0.32;
-    for (var i = 0; i < 7; i++) {
-        let part = saturate(1.2 - footprint * scale * 2.0);
+    for (var i = 0; i < 8; i++) {
+        let part = saturate(1.3 - footprint * scale * 2.0);
         // Each octave is turned against the last, so that no grid shows.
         let turn = f32(i) * 0.9;
         let q = vec2<f32>(p.x * cos(turn) - p.y * sin(turn), p.x * sin(turn) + p.y * cos(turn));
-        level += (mottle(q * scale + f32(i) * 17.3) - 0.5) * strength * part;
+        let noise = (mottle(q * scale + f32(i) * 17.3) - 0.5) * part;
+        if i < 4 {
+            patches += noise * 0.26;
+        } else {
+            tufts += noise * 0.52;
+        }
         scale *= 2.6;
-        strength *= select(0.85, 1.0, i > 2);
     }
     let dried = vec3<f32>(0.19, 0.165, 0.085);
-    let dry = smoothstep(-0.1, 0.5, level) * 0.5;
-    return mix(frame.ground.rgb, dried, dry) * (1.0 + 0.75 * level);
+    let dry = smoothstep(-0.1, 0.5, patches + 0.25 * tufts) * 0.5;
+    return mix(frame.ground.rgb, dried, dry) * (1.0 + 0.75 * patches) * max(1.0 + tufts, 0.25);
 }
 
 @fragment
@@ -90,7 +94,8 @@ fn fs_backdrop(in: Screen) -> @location(0) vec4<f32> {
     }
     let at = start + direction * way;
     let lit = textureLoad(ground_shadows, vec2<i32>(in.clip.xy), 0).x;
-    let footprint = way * frame.viewport.w * 0.6 / max(-direction.y, 0.03);
+    // Between the width and the length of what a pixel covers: by its length alone, turf would be a blur.
+    let footprint = way * frame.viewport.w * 0.6 / sqrt(max(-direction.y, 0.01));
     let sun = frame.sun_light.rgb * max(frame.sun.y, 0.0) / PI * lit;
     let colour = turf(at.xz, footprint) * (sun + frame.sky_light.rgb * mix(0.72, 1.0, lit));
     // Distance along the ground, so that the horizon is a haze and not an edge.

@@ -73,9 +73,24 @@ fn world_of(local: vec3<f32>, instance: Instance) -> vec3<f32> {
     return instance.place.xyz + turned(local * instance.place.w, instance.turn.xy);
 }
 
+// Part of a tree's sway that is drawn, 0..1: none where the farthest that it can lean is less than a third of a
+// pixel, so that far trees cost no more in the wind than in a calm.
+fn sway_seen(instance: Instance) -> f32 {
+    let rows = transpose(frame.view_projection);
+    let pixels_by_metre = 0.5 * frame.viewport.y * length(rows[1].xyz)
+        / max(abs(dot(rows[3], vec4<f32>(instance.place.xyz, 1.0))), 1e-3);
+    let speed = min(frame.wind.z / WIND_REFERENCE_SPEED_M_S, WIND_MOST_SPEED);
+    let lean = dot(model.rig.amplitude_m, vec3<f32>(1.5)) * speed * sqrt(speed) * instance.place.w;
+    return smoothstep(0.3, 0.6, lean * pixels_by_metre);
+}
+
 // Where the wind takes a vertex, in the tree's own frame. `view_axis` is what leaves turn about.
 fn swayed(vertex: Vertex, instance: Instance, view_axis: vec3<f32>) -> vec3<f32> {
     if frame.wind.z <= 0.0 {
+        return vertex.position;
+    }
+    let seen = sway_seen(instance);
+    if seen == 0.0 {
         return vertex.position;
     }
     let over_scene = Wind(frame.wind.xy, frame.wind.z, frame.wind.w);
@@ -83,7 +98,8 @@ fn swayed(vertex: Vertex, instance: Instance, view_axis: vec3<f32>) -> vec3<f32>
     let direction = turned_back(vec3<f32>(frame.wind.x, 0.0, frame.wind.y), instance.turn.xy).xz;
     let at_tree = Wind(direction, frame.wind.z, frame.wind.w);
     let axis = turned_back(view_axis, instance.turn.xy);
-    return vertex.position + wind_offset(at_tree, model.rig, time, vertex.position.y, vertex.sway, vertex.leaf, axis);
+    let away = wind_offset(at_tree, model.rig, time, vertex.position.y, vertex.sway, vertex.leaf, axis);
+    return vertex.position + away * seen;
 }
 
 @vertex

@@ -177,7 +177,7 @@ fn culled() -> Outcome {
         let mut outside = 0;
         for (index, (tree, &(_, lods))) in trees.iter().zip(&drawn).enumerate() {
             let model = &renderer.models()[tree.model as usize];
-            let turn = f32::from(tree.turn[1]).atan2(f32::from(tree.turn[0]));
+            let turn = libm::atan2f(f32::from(tree.turn[1]), f32::from(tree.turn[0]));
             let (sine, cosine) = libm::sincosf(turn);
             let corner = |p: &Vec3| {
                 let p = *p * tree.size;
@@ -222,7 +222,13 @@ fn lods(forest: &Forest, lists: &Lists) -> Vec<Option<usize>> {
 
 fn hysteresis() -> Outcome {
     let mut renderer = renderer()?;
-    let trees = planted(8_000);
+    // Close together, so that many are near a switch.
+    let trees = plant(&Planting {
+        trees: 8_000,
+        shares: vec![2.0, 1.0, 1.0],
+        spacing_m: 0.6,
+        ..Planting::default()
+    });
     let mut changes = [0, 0];
     for (change, room) in changes.iter_mut().zip([0.08, 0.0]) {
         let mut forest = renderer.forest(&trees)?;
@@ -231,7 +237,7 @@ fn hysteresis() -> Outcome {
         let at = |away: f32| {
             // From high above the middle all trees are about as far.
             seen_from(Camera {
-                eye: Vec3::new(0.0, 250.0 * away, 1.0),
+                eye: Vec3::new(0.0, 55.0 * away, 1.0),
                 target: Vec3::ZERO,
                 lens: Lens::Perspective(1.2),
             })

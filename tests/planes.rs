@@ -84,7 +84,7 @@ fn the_planes_of_a_star_show_everything_and_are_evenly_turned() {
     let points: Vec<Vec3> = vertices.map(|v| Vec3::from(v.position)).collect();
     let through = Vec3::new(0.3, 1.0, -0.2);
     for (upright, level) in [(2_u16, false), (2, true), (3, true)] {
-        let planes = planes::star(&mesh, through, upright, 0.5, level);
+        let planes = planes::star(&mesh, None, (through, upright), 0.5, level);
         assert_eq!(planes.len(), usize::from(upright) + usize::from(level));
         for plane in &planes {
             assert_eq!(plane.members, None);
@@ -104,4 +104,41 @@ fn the_planes_of_a_star_show_everything_and_are_evenly_turned() {
         }
         assert!(level_planes.iter().all(|p| p.normal().y > 0.999));
     }
+}
+
+#[test]
+fn a_bent_stem_is_on_the_one_plane_that_it_strays_from_least() {
+    let mesh = full();
+    let items = planes::items(&mesh);
+    let first = items.iter().position(|i| !i.foliage).expect("bark");
+    let mut stem = planes::Stem {
+        // It leans along x, so the plane that looks along z shows it best.
+        axis: vec![Vec3::ZERO, Vec3::new(0.6, 1.0, 0.1), Vec3::Y * 2.0],
+        radius: 0.05,
+        triangles: 6,
+    };
+    let star = |stem: &planes::Stem| planes::star(&mesh, Some(stem), (Vec3::Y, 2), 0.0, true);
+    let planes = star(&stem);
+    assert!(planes[0].normal().z.abs() > 0.999, "looks along z");
+    assert_eq!(planes[0].members, None, "shows all");
+    let stem_items: Vec<u32> = (0..6).map(|i| u32::try_from(first + i).unwrap()).collect();
+    for plane in &planes[1..] {
+        let members = plane.members.as_ref().expect("shows a part");
+        assert_eq!(members.len(), items.len() - 6);
+        assert!(stem_items.iter().all(|i| !members.contains(i)));
+        assert_inside(
+            plane,
+            members.iter().flat_map(|&m| items[m as usize].corners),
+        );
+        let bare = planes::star(&mesh, None, (Vec3::Y, 2), 0.0, true);
+        let same = bare.iter().find(|p| p.normal() == plane.normal());
+        let same = same.expect("the same planes");
+        let away = (same.centre - plane.centre).dot(plane.normal());
+        assert!(away.abs() < 1e-4, "where they would stand without a stem");
+    }
+    // A straight one stands on all upright planes, but not on the level one.
+    stem.axis = vec![Vec3::ZERO, Vec3::Y * 2.0];
+    let planes = star(&stem);
+    assert!(planes[0].members.is_none() && planes[1].members.is_none());
+    assert!(planes[2].members.is_some());
 }

@@ -20,9 +20,6 @@ use rayon::prelude::*;
 /// further out is smaller in the same picture, and takes one coarser.
 pub(crate) const CAPTURE_SPLINE_LOD: usize = 1;
 
-/// A branch that strays from its plane by more than this many of its radii would be seen twice.
-const DOUBLED_ABOVE: f32 = 1.5;
-
 /// One finished capture: its texels, and the quad to put them on (without its place in the atlas).
 pub(super) struct Shot {
     pub(super) image: Image<Texel>,
@@ -343,7 +340,7 @@ fn strays(part: &Part, across: Vec3) -> bool {
     let (low, high) = offsets.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| {
         (l.min(x), h.max(x))
     });
-    (high - low) * 0.5 > DOUBLED_ABOVE * branch.radius
+    (high - low) * 0.5 > planes::DOUBLED_ABOVE * branch.radius
 }
 
 /// Coverage-weighted mean depth, metres.

@@ -12,9 +12,10 @@
 use super::MeasureError;
 use super::context::{Context, Gauge, Scene, Scenes, Trial, TrialQuad, cards};
 use super::silhouette::Cutouts;
+use crate::capture::CAPTURE_SPLINE_LOD;
 use crate::impostor::cross_quad::{self, CrossQuads};
 use crate::impostor::planes::strips::Strip;
-use crate::impostor::planes::{self, Plane};
+use crate::impostor::planes::{self, Plane, Stem};
 use crate::lod::cut::{Menu, Offer};
 use crate::lod::{Form, State};
 use crate::math::{PI, Quat, Vec3};
@@ -378,6 +379,21 @@ impl Gauge<'_> {
         }
     }
 
+    /// The stem of the whole tree; branches inside a crown are not seen beside themselves.
+    fn stem(&self, (level, prototype): (usize, usize)) -> Option<Stem> {
+        match &self.tree.prototype(level, prototype).part {
+            part @ Part::Branch(branch) if level == 0 => Some(Stem {
+                axis: branch.axis.iter().map(|s| s.position).collect(),
+                radius: branch.radius,
+                triangles: self
+                    .quads
+                    .geometry(part, CAPTURE_SPLINE_LOD, 1.0)
+                    .map_or(0, |t| t.indices.len() / 3),
+            }),
+            _ => None,
+        }
+    }
+
     /// Numbers of clumps to try for a sub-tree of so many leaf cards.
     fn clump_counts(&self, level: usize, leaves: u64) -> Vec<usize> {
         let mut counts = CLUMPS.to_vec();
@@ -442,8 +458,10 @@ impl Gauge<'_> {
                 quads,
             )
         };
-        let star =
-            |upright: u16, turn: f32, level: bool| planes::star(own, through, upright, turn, level);
+        let stem = self.stem(seat);
+        let star = |upright: u16, turn: f32, level: bool| {
+            planes::star(own, stem.as_ref(), (through, upright), turn, level)
+        };
         let mut best = attempt(star(2, 0.0, false), String::new());
         for turn in 1..TURNS {
             let turn = PI * 0.5 * f32::from(turn) / f32::from(TURNS);
@@ -593,7 +611,7 @@ fn crossed(
     cutouts: &Cutouts,
     sample: f32,
 ) -> Vec<TrialQuad> {
-    planes::star(framed, through, 2, turn, false)
+    planes::star(framed, None, (through, 2), turn, false)
         .iter()
         .map(|plane| TrialQuad::of(shown, plane, cutouts, sample))
         .collect()

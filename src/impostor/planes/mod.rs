@@ -8,7 +8,7 @@ mod stars;
 pub mod strips;
 
 pub use fitted::fitted;
-pub use stars::{clumps, star};
+pub use stars::{DOUBLED_ABOVE, Stem, clumps, star};
 
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Primitive};

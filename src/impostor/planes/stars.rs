@@ -113,10 +113,43 @@ fn framed(items: &[Item], members: &[u32], right: Vec3, up: Vec3) -> Plane {
     }
 }
 
-/// Upright planes through a point, evenly turned, and one level plane if `level`: all of them show
-/// everything.
+/// The branch that carries a sub-tree, as planes see it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stem {
+    /// Points along its axis, metres.
+    pub axis: Vec<Vec3>,
+    /// Radius at its base, metres.
+    pub radius: f32,
+    /// Its triangles: the first of the mesh's bark.
+    pub triangles: usize,
+}
+
+/// A stem that strays from its plane by more than this many of its radii would be seen twice.
+pub const DOUBLED_ABOVE: f32 = 1.5;
+
+impl Stem {
+    /// How far the stem bends out of planes of a normal: half of its reach along it, in radii.
+    #[must_use]
+    pub fn strays(&self, normal: Vec3) -> f32 {
+        let along = self.axis.iter().map(|p| p.dot(normal));
+        let (low, high) = along.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| {
+            (l.min(x), h.max(x))
+        });
+        (high - low).max(0.0) * 0.5 / self.radius.max(1e-6)
+    }
+}
+
+/// Upright planes through a point, evenly turned, and one level plane if `level`. All of them show everything,
+/// but that a bent `stem` is left to the upright plane that shows it best: on several it would be seen beside
+/// itself (Koniaris et al., section IV.D, of the second of two views).
 #[must_use]
-pub fn star(mesh: &Mesh, through: Vec3, upright: u16, turn: f32, level: bool) -> Vec<Plane> {
+pub fn star(
+    mesh: &Mesh,
+    stem: Option<&Stem>,
+    (through, upright): (Vec3, u16),
+    turn: f32,
+    level: bool,
+) -> Vec<Plane> {
     let bounds = mesh.bounds();
     let mut planes = Vec::new();
     for index in 0..upright {
@@ -140,7 +173,40 @@ pub fn star(mesh: &Mesh, through: Vec3, upright: u16, turn: f32, level: bool) ->
         let at = Vec3::new(through.x, height, through.z);
         planes.push(whole(mesh, at, Vec3::X, Vec3::NEG_Z));
     }
+    if let Some(stem) = stem {
+        leave_stem_to_one(mesh, stem, &mut planes);
+    }
     planes
+}
+
+/// Takes a bent stem off all planes but the upright one that it strays from the least.
+fn leave_stem_to_one(mesh: &Mesh, stem: &Stem, planes: &mut [Plane]) {
+    let strays: Vec<f32> = planes.iter().map(|p| stem.strays(p.normal())).collect();
+    let is_level = |plane: &Plane| plane.normal().y.abs() > 0.9;
+    let fits = planes.iter().zip(&strays);
+    let best = largest(fits.map(|(p, s)| if is_level(p) { f32::NEG_INFINITY } else { -s }));
+    let items = items(mesh);
+    let first = items.iter().position(|i| !i.foliage).unwrap_or(items.len());
+    let stems = first..first + stem.triangles;
+    let rest: Vec<u32> = (0_u32..)
+        .take(items.len())
+        .filter(|&i| !stems.contains(&(i as usize)))
+        .collect();
+    if rest.is_empty() {
+        return;
+    }
+    for (index, plane) in planes.iter_mut().enumerate() {
+        if index == best || (strays[index] <= DOUBLED_ABOVE && !is_level(plane)) {
+            continue;
+        }
+        let through = plane.centre;
+        let shown = framed(&items, &rest, plane.right, plane.up);
+        let normal = plane.normal();
+        *plane = Plane {
+            centre: shown.centre + normal * (through - shown.centre).dot(normal),
+            ..shown
+        };
+    }
 }
 
 /// A plane through a point that shows a whole mesh.

@@ -3,7 +3,7 @@
 use super::plan::{Bin, Use};
 use super::{Calls, Forest, Lists, Twin};
 use crate::gpu::shader;
-use crate::math::Vec3;
+use crate::math::{Bounds, Vec3};
 use crate::render::binding;
 use crate::render::model::Part;
 use crate::render::pipelines::ForestPipelines;
@@ -144,7 +144,9 @@ impl Renderer {
         frame.modes[3] |= FLAG_AIR;
         let sun = scene.setting.sun.normalize_or(Vec3::Y);
         if let Some(bounds) = forest.shade_bounds(scene) {
-            let (light, reach) = light_projection(&bounds, sun);
+            let (_, reach) = light_projection(&bounds, sun);
+            let texel = reach / crate::math::float(SHADOW_MAP);
+            let (light, _) = light_projection(&snapped(&bounds, sun, texel), sun);
             frame.light_projection = light.to_cols_array_2d();
             frame.clock[2] = reach * 3.0 / crate::math::float(SHADOW_MAP);
         }
@@ -239,6 +241,22 @@ impl Renderer {
                 forest.draw_bin(pass, part, index, material, edges);
             }
         }
+    }
+}
+
+/// Bounds shifted by less than a texel of the shadow map along it, so that texels keep their places in the world
+/// as the eye moves, and shadows do not crawl.
+fn snapped(bounds: &Bounds, sun: Vec3, texel: f32) -> Bounds {
+    let side = if sun.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
+    let right = side.cross(sun).normalize_or(Vec3::X);
+    let up = sun.cross(right);
+    let centre = bounds.centre();
+    let shift = [right, up]
+        .map(|axis| axis * (libm::roundf(centre.dot(axis) / texel) * texel - centre.dot(axis)));
+    let shift = shift[0] + shift[1];
+    Bounds {
+        min: bounds.min + shift,
+        max: bounds.max + shift,
     }
 }
 

@@ -1,8 +1,8 @@
 //! Forests of up to four million trees: the GPU says which trees are seen and by which LOD, and draws them with as
 //! many calls as there are models, LODs and materials, whatever the number of trees.
 //!
-//! Home of: Koniaris, Gaitatzes, Papaioannou 2009, section VI (hardware instancing in the place of a call for each
-//! tree, which the paper names as what its frame rates wait for).
+//! Home of: Koniaris, Gaitatzes, Papaioannou 2009, section V (hardware instancing in the place of a call for each
+//! tree: what the paper says its frame rates lack).
 //!
 //! A frame is four compute passes (`shaders/cull.wgsl`): which bins each tree is in, sums of those by groups of 256,
 //! where each bin begins, each tree's number to its place. The vertex shader reads the tree's record by that number.

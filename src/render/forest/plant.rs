@@ -115,7 +115,7 @@ fn tree(planting: &Planting, key: Key, side: u32, cell: u64) -> Option<ForestTre
     let mut tree = ForestTree::at(place, own.unit(Parameter::Spin) * TAU, size, model);
     // Greener or yellower, and lighter or darker.
     let light = 1.0 + planting.tint * own.with(2).signed(Parameter::Tinted);
-    let warm = 1.0 + planting.tint * own.with(3).signed(Parameter::Tinted);
+    let warm = 1.0 + 0.4 * planting.tint * own.with(3).signed(Parameter::Tinted);
     tree = tree.with_look(
         [light * warm, light, light * (2.0 - warm)],
         own.unit(Parameter::Sway),
