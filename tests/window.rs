@@ -7,11 +7,12 @@ use common::adapter::{self, Outcome};
 use common::gpu::mean_flip;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{
-    Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, pos2, vec2,
+    Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase, pos2,
+    vec2,
 };
 use eframe::egui_wgpu::RendererOptions;
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
 use libtest_mimic::Failed;
 use pleach::image::{Image, png};
@@ -430,6 +431,7 @@ fn mouse() -> Outcome {
     )?;
     window.hover_at(MIDDLE);
     window.event(Event::MouseWheel {
+        source: MouseWheelSource::Wheel,
         unit: MouseWheelUnit::Line,
         delta: vec2(0.0, 3.0),
         phase: TouchPhase::Move,
@@ -658,10 +660,10 @@ const MOST_BYTES: u64 = 64 << 10;
 
 fn looks() -> Outcome {
     let start = Start::new(Source::Pack(palm().to_owned()), PathBuf::from("."));
-    let mut window = window_with(start, [440.0, 300.0]);
+    let mut window = window_with(start, [400.0, 260.0]);
     until(&mut window, "the palm", |app| app.subject.is_some())?;
     window.run_steps(4);
-    let picture = seen(&mut window)?.part(0, 0, 440, 250);
+    let picture = seen(&mut window)?.part(0, 0, 400, 200);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/window.png");
     if std::env::var_os("UPDATE_GOLDENS").is_some() {
         fs::write(&path, png::encode(&picture).map_err(|e| e.to_string())?)?;

@@ -136,10 +136,8 @@ impl Gpu {
             first(&mut lock(&told), of(&error));
         }));
         let told = Arc::clone(&fault);
-        device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                *lock(&told) = Some(GpuError::Lost(message));
-            }
+        device.set_device_lost_callback(move |_, message| {
+            *lock(&told) = Some(GpuError::Lost(message));
         });
         Self {
             device,

@@ -93,7 +93,7 @@ fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
 
 fn slider(ui: &mut Ui, slider: Slider<'_>, name: &str) {
     ui.spacing_mut().slider_width = 96.0;
-    ui.add(slider.max_decimals(1).text(name));
+    ui.add(slider.max_decimals(2).text(name));
 }
 
 /// How the LOD is chosen, and what is shown of each.
