@@ -451,7 +451,7 @@ fn same_twice() -> Outcome {
     // One by one, bark and foliage of a tree come together: another one is in front where two are equally far.
     let error = mean_flip(&pictures[0], &pictures[2]);
     println!("one by one: mean FLIP {error:.5}");
-    if error > 0.003 {
+    if error > 0.006 {
         return Err(format!("trees drawn one by one give another picture: FLIP {error:.5}").into());
     }
     let mut forest = renderer.forest(&trees)?;
