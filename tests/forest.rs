@@ -448,8 +448,11 @@ fn same_twice() -> Outcome {
     if pictures[0] != pictures[1] {
         return Err("two forests of the same trees give two pictures".into());
     }
-    if pictures[0] != pictures[2] {
-        return Err("trees drawn one by one give another picture".into());
+    // One by one, bark and foliage of a tree come together: another one is in front where two are equally far.
+    let error = mean_flip(&pictures[0], &pictures[2]);
+    println!("one by one: mean FLIP {error:.5}");
+    if error > 0.006 {
+        return Err(format!("trees drawn one by one give another picture: FLIP {error:.5}").into());
     }
     let mut forest = renderer.forest(&trees)?;
     renderer.picture_of_forest(&mut forest, &seen_from(cameras()[9]), SIZE)?;

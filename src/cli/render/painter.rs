@@ -181,13 +181,13 @@ impl Brush {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(brush) => brush.forest(trees, args),
-            Self::Cpu => {
-                let _ = (trees, args);
-                Err(Failure::usage(
-                    "--what forest needs the GPU renderer: a build with the feature `gpu`, and a graphics driver (on \
-                     Debian and Ubuntu `apt install mesa-vulkan-drivers` brings one that needs no graphics card)",
-                ))
-            }
+            Self::Cpu => Err(Failure::usage(format!(
+                "--what forest: {} trees of {} kinds need the GPU renderer: a build with the feature `gpu`, and a \
+                     graphics driver (on Debian and Ubuntu `apt install mesa-vulkan-drivers` brings one that needs no \
+                     graphics card)",
+                args.trees,
+                trees.len()
+            ))),
         }
     }
 
