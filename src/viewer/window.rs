@@ -120,9 +120,8 @@ fn show(options: &Options, start: Start) -> Result<(), WindowError> {
                 let state = state.ok_or("the window has no graphics device")?;
                 let ctx = cc.egui_ctx.clone();
                 super::panel::style(&ctx);
-                Ok(Box::new(App::new(state, start, move || {
-                    ctx.request_repaint()
-                })?))
+                let wake = move || ctx.request_repaint();
+                Ok(Box::new(App::new(state, start, wake)?))
             }),
         )
     };
