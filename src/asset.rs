@@ -27,6 +27,8 @@ pub struct TreeAsset {
     pub sources: Vec<(String, Vec<u8>)>,
     /// The graph.
     pub tree: Tree,
+    /// The adapter that drew captures and shadows; `None` if the processor did, whose bytes are the same everywhere.
+    pub baker: Option<String>,
     /// Number of captures from two sides.
     pub captures: usize,
     /// Number of captures of fitted planes.

@@ -12,6 +12,8 @@ pub mod cli;
 pub mod evaluate;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+#[cfg(feature = "gpu")]
+pub mod gpu_bake;
 pub mod image;
 pub mod impostor;
 pub mod lod;

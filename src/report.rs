@@ -97,3 +97,13 @@ impl Progress for Quiet {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
+
+/// A machine that a stage leans on, a graphics adapter say, failed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{reason}")]
+pub struct MachineFault {
+    /// What went wrong, and what to do.
+    pub reason: String,
+    /// True if another try may help.
+    pub passing: bool,
+}

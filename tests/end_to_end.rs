@@ -570,7 +570,8 @@ fn command_lines_at_fault_end_with_two_and_the_reason() {
         (&["--texture-size", "0"], &["power of two"]),
         (&["--threads", "0"], &["--threads"]),
         (&["--seed=-1"], &["--seed"]),
-        (&["--baker", "gpu"], &["no GPU backend"]),
+        #[cfg(not(feature = "gpu"))]
+        (&["--baker", "gpu"], &["no GPU backend", "--features gpu"]),
         (&["--baker", "oven"], &["cpu"]),
         (&["--selector", "cuts"], &["cut", "levels"]),
     ] {

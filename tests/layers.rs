@@ -32,7 +32,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     (
         "the list of stages; pictures, drawn by a processor or an adapter",
-        &["pipeline", "preview", "render"],
+        &["pipeline", "preview", "render", "gpu_bake"],
     ),
     ("files", &["pack"]),
     ("LODs judged", &["evaluate"]),

@@ -170,6 +170,7 @@ fn is_whole(item: &Item, options: &RunOptions) -> bool {
     let atlas = settings(item, options).captures.atlas_size;
     same_script
         && manifest.generator == generator
+        && manifest.baker.is_none()
         && manifest.seed == item.seed
         && manifest.textures.foliage.size[0] == atlas
         && manifest.textures.foliage.mips.is_empty() != options.pack.mips

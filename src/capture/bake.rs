@@ -9,18 +9,19 @@
 //! by its inverse matrix gives; where a level below turns toward gravity, the frame is first turned as
 //! the mean node of the level stands, so that the capture shows a typical one.
 
-use super::plan::{Plan, Subject, VIEWS};
+use super::backend::{Backend, Pass, Picture, Scene};
+use super::cpu::Cpu;
+use super::plan::{Plan, PlaneSet, Subject, VIEWS};
 use super::raster::{ALPHA_CUTOFF, Textures};
-use super::studio::{Node, Shot, Studio};
+use super::studio::{self, Node, Studio};
 use crate::image::atlas::{self, Rect, Wanted};
 use crate::image::{Image, Texel, mips};
 use crate::impostor::cross_quad::{CrossQuads, scaled};
 use crate::math::{Bounds, Quat, Similarity, Vec3, float};
 use crate::mesh::TooLarge;
 use crate::mesh::card::{Quad, UvRect};
-use crate::report::{Cancelled, Progress, Warning};
+use crate::report::{Cancelled, MachineFault, Progress, Warning};
 use crate::tree::{Kind, Part, Tree};
-use rayon::prelude::*;
 
 /// How captures are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,6 +111,9 @@ pub enum BakeError {
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// The machine that a backend draws with failed.
+    #[error(transparent)]
+    Machine(#[from] MachineFault),
 }
 
 /// The foliage atlas with all that was captured into it.
@@ -125,13 +129,30 @@ pub struct Baked {
     pub warnings: Vec<Warning>,
 }
 
-/// Captures everything in `plan`.
+/// Captures everything in `plan` with the processor.
 ///
 /// `bark` are the mips of the bark texture, `bark_height` the real height of one repeat in metres.
 ///
 /// # Errors
 /// If the parts do not fit the atlas, a sub-tree is too large, or the work is cancelled.
 pub fn bake(
+    tree: &Tree,
+    plan: &Plan,
+    leaves: &dyn LeafArtwork,
+    bark: (&[Image<Texel>], f32),
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Baked, BakeError> {
+    bake_with(&Cpu, tree, plan, leaves, bark, settings, progress)
+}
+
+/// Captures everything in `plan` with a backend; see [`bake`].
+///
+/// # Errors
+/// If the parts do not fit the atlas, a sub-tree is too large, the work is cancelled, or the backend's machine
+/// fails.
+pub fn bake_with(
+    backend: &dyn Backend,
     tree: &Tree,
     plan: &Plan,
     leaves: &dyn LeafArtwork,
@@ -149,89 +170,30 @@ pub fn bake(
         copy_into(&mut atlas, rect, &leaves.draw(kind, width, height));
     }
     let uv = |rect: &Rect| uv_of(rect, settings.atlas_size);
-    let mut quads = CrossQuads::none(tree, leaf_rects.iter().map(uv).collect());
-    progress.begin("captures", plan.subjects.len() as u64);
-    let turns = standing(tree);
-    let thickness = tree.mean_thickness();
+    let quads = CrossQuads::none(tree, leaf_rects.iter().map(uv).collect());
     let sources = sources(tree, plan, settings.source);
-    for &level in sources.iter().flatten() {
-        let level = tree.levels[level].name.clone();
-        if !warnings
-            .iter()
-            .any(|w| matches!(w, Warning::CapturesFromCaptures { level: l } if *l == level))
-        {
-            warnings.push(Warning::CapturesFromCaptures { level });
-        }
-    }
-    // Outermost first: a pass may sample what the passes before it wrote.
-    let mut passes: Vec<Vec<usize>> = vec![Vec::new()];
-    let mut by_depth: Vec<usize> = (0..plan.subjects.len()).collect();
-    by_depth.sort_by_key(|&s| core::cmp::Reverse(depth(tree, plan.subjects[s])));
-    for subject in by_depth {
-        match sources[subject] {
-            None => passes[0].push(subject),
-            Some(_) => passes.push(vec![subject]),
-        }
-    }
-    for pass in passes.iter().filter(|p| !p.is_empty()) {
-        let mut pyramid = mips::chain(atlas, MIPS, ALPHA_CUTOFF);
-        let reliefs = quads.reliefs();
-        let drawn: Result<Vec<[Shot; VIEWS]>, BakeError> = pass
-            .par_iter()
-            .map(|&index| {
-                if progress.cancelled() {
-                    return Err(Cancelled.into());
-                }
-                let studio = Studio {
-                    tree,
-                    quads: &quads,
-                    textures: Textures {
-                        bark: bark.0,
-                        foliage: &pyramid,
-                        reliefs: &reliefs,
-                    },
-                    bark_height: bark.1,
-                    supersample: settings.supersample,
-                };
-                let pair = [&rects[index * VIEWS], &rects[index * VIEWS + 1]];
-                let (level, prototype) = subject_at(plan.subjects[index]);
-                let node = Node {
-                    turn: turns[level],
-                    thickness: thickness[level][prototype],
-                    cross: plan.turns[level][prototype],
-                };
-                let shots = studio.shoot(plan.subjects[index], sources[index], node, pair);
-                progress.step();
-                shots
-            })
-            .collect();
-        let drawn = drawn?;
-        atlas = pyramid.swap_remove(0);
-        for (&index, shots) in pass.iter().zip(drawn) {
-            let pair = core::array::from_fn(|view| {
-                let rect = &rects[index * VIEWS + view];
-                copy_into(&mut atlas, rect, &shots[view].image);
-                Quad {
-                    uv: uv_of(rect, settings.atlas_size),
-                    ..shots[view].quad
-                }
-            });
-            if let Subject::Combined { level, prototype } = plan.subjects[index] {
-                quads.combined[level][prototype] = Some(pair);
-            } else {
-                assign_branches(&mut quads, plan, index, &pair);
-            }
-        }
-    }
-    let stage = Stage {
+    warnings.extend(from_captures(tree, &sources));
+    progress.begin("captures", (plan.subjects.len() + plan.sets.len()) as u64);
+    let mut stage = Stage {
+        backend,
         tree,
         plan,
-        rects: &rects[plan.captures() + kinds..],
-        turns: &turns,
-        thickness: &thickness,
-        sources: &sources,
+        bark,
+        settings,
+        rects: &rects,
+        leaves: leaf_rects,
+        turns: standing(tree),
+        thickness: tree.mean_thickness(),
+        sources,
+        atlas,
+        quads,
+        progress,
     };
-    atlas = stage.planes(atlas, &mut quads, bark, settings, progress)?;
+    for pass in stage.passes() {
+        stage.subjects(&pass)?;
+    }
+    stage.planes()?;
+    let Stage { atlas, quads, .. } = stage;
     Ok(Baked {
         atlas,
         quads,
@@ -240,93 +202,178 @@ pub fn bake(
     })
 }
 
-/// What the captures of planes need.
+/// A warning for each level whose captures others are drawn from.
+fn from_captures(tree: &Tree, sources: &[Option<usize>]) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    for &level in sources.iter().flatten() {
+        let level = tree.levels[level].name.clone();
+        let warning = Warning::CapturesFromCaptures { level };
+        if !warnings.contains(&warning) {
+            warnings.push(warning);
+        }
+    }
+    warnings
+}
+
+/// What all captures need, and what was captured so far.
 struct Stage<'a> {
+    backend: &'a dyn Backend,
     tree: &'a Tree,
     plan: &'a Plan,
-    /// Rectangles of the planes.
+    /// Mips of the bark, and the height of one repeat.
+    bark: (&'a [Image<Texel>], f32),
+    settings: &'a Settings,
+    /// Rectangles of all captures.
     rects: &'a [Rect],
-    turns: &'a [Quat],
-    thickness: &'a [Vec<f32>],
-    sources: &'a [Option<usize>],
+    /// Those of the leaf kinds.
+    leaves: &'a [Rect],
+    turns: Vec<Quat>,
+    thickness: Vec<Vec<f32>>,
+    sources: Vec<Option<usize>>,
+    atlas: Image<Texel>,
+    quads: CrossQuads,
+    progress: &'a dyn Progress,
 }
 
 impl Stage<'_> {
-    /// Captures all sets of planes into the atlas.
-    fn planes(
-        &self,
-        atlas: Image<Texel>,
-        quads: &mut CrossQuads,
-        bark: (&[Image<Texel>], f32),
-        settings: &Settings,
-        progress: &dyn Progress,
-    ) -> Result<Image<Texel>, BakeError> {
-        if self.plan.sets.is_empty() {
-            return Ok(atlas);
+    /// The subjects, outermost first: a pass may sample what the passes before it wrote.
+    fn passes(&self) -> Vec<Vec<usize>> {
+        let mut passes: Vec<Vec<usize>> = vec![Vec::new()];
+        let mut by_depth: Vec<usize> = (0..self.plan.subjects.len()).collect();
+        by_depth.sort_by_key(|&s| core::cmp::Reverse(depth(self.tree, self.plan.subjects[s])));
+        for subject in by_depth {
+            match self.sources[subject] {
+                None => passes[0].push(subject),
+                Some(_) => passes.push(vec![subject]),
+            }
         }
-        let mut pyramid = mips::chain(atlas, MIPS, ALPHA_CUTOFF);
-        let reliefs = quads.reliefs();
-        let mut first = 0;
-        let firsts: Vec<usize> = self
-            .plan
-            .sets
+        passes.retain(|pass| !pass.is_empty());
+        passes
+    }
+
+    /// Captures subjects into the atlas.
+    fn subjects(&mut self, pass: &[usize]) -> Result<(), BakeError> {
+        let from_captures = pass.iter().any(|&index| self.sources[index].is_some());
+        let mut pyramid = self.pyramid();
+        let scene = |studio: &Studio<'_>, at: usize| {
+            let index = pass[at];
+            let pair = [&self.rects[index * VIEWS], &self.rects[index * VIEWS + 1]];
+            let subject = self.plan.subjects[index];
+            let (level, prototype) = subject_at(subject);
+            let node = Node {
+                turn: self.turns[level],
+                thickness: self.thickness[level][prototype],
+                cross: self.plan.turns[level][prototype],
+            };
+            studio.scene(subject, self.sources[index], node, pair)
+        };
+        let drawn = self.draw(pass.len(), (&pyramid, from_captures), &scene)?;
+        self.atlas = pyramid.swap_remove(0);
+        for (&index, pictures) in pass.iter().zip(drawn) {
+            let rects = &self.rects[index * VIEWS..];
+            let quads = self.hang(pictures, rects);
+            let pair = <[Quad; VIEWS]>::try_from(quads).expect("a picture for each view");
+            if let Subject::Combined { level, prototype } = self.plan.subjects[index] {
+                self.quads.combined[level][prototype] = Some(pair);
+            } else {
+                assign_branches(&mut self.quads, self.plan, index, &pair);
+            }
+        }
+        Ok(())
+    }
+
+    /// Captures all sets of planes into the atlas.
+    fn planes(&mut self) -> Result<(), BakeError> {
+        let sets = &self.plan.sets;
+        if sets.is_empty() {
+            return Ok(());
+        }
+        let mut pyramid = self.pyramid();
+        let mut first = self.plan.captures() + self.leaves.len();
+        let firsts: Vec<usize> = sets
             .iter()
             .map(|set| {
                 first += set.planes.len();
                 first - set.planes.len()
             })
             .collect();
-        let drawn: Result<Vec<Vec<Shot>>, BakeError> = self
-            .plan
-            .sets
-            .par_iter()
-            .zip(&firsts)
-            .map(|(set, &first)| {
-                if progress.cancelled() {
-                    return Err(Cancelled.into());
-                }
-                let studio = Studio {
-                    tree: self.tree,
-                    quads,
-                    textures: Textures {
-                        bark: bark.0,
-                        foliage: &pyramid,
-                        reliefs: &reliefs,
-                    },
-                    bark_height: bark.1,
-                    supersample: settings.supersample,
-                };
-                let node = Node {
-                    turn: self.turns[set.level],
-                    thickness: self.thickness[set.level][set.prototype],
-                    cross: 0.0,
-                };
-                // Planes that pick their leaves need the leaves; those that show all may show captures.
-                let source = if set.planes.iter().any(|p| p.members.is_some()) {
-                    None
-                } else {
-                    let of = self.plan.combined(set.level, set.prototype);
-                    of.and_then(|subject| self.sources[subject])
-                };
-                studio.shoot_planes(set, source, node, &self.rects[first..])
-            })
-            .collect();
-        let drawn = drawn?;
-        let mut atlas = pyramid.swap_remove(0);
-        for (shots, first) in drawn.into_iter().zip(firsts) {
-            let set = shots
-                .into_iter()
-                .zip(&self.rects[first..])
-                .map(|(shot, rect)| {
-                    copy_into(&mut atlas, rect, &shot.image);
-                    Quad {
-                        uv: uv_of(rect, settings.atlas_size),
-                        ..shot.quad
-                    }
-                });
-            quads.sets.push(set.collect());
+        // Planes that pick their leaves need the leaves; those that show all may show captures.
+        let source = |set: &PlaneSet| {
+            if set.planes.iter().any(|p| p.members.is_some()) {
+                return None;
+            }
+            let of = self.plan.combined(set.level, set.prototype);
+            of.and_then(|subject| self.sources[subject])
+        };
+        let scene = |studio: &Studio<'_>, at: usize| {
+            let set = &sets[at];
+            let node = Node {
+                turn: self.turns[set.level],
+                thickness: self.thickness[set.level][set.prototype],
+                cross: 0.0,
+            };
+            studio.scene_of_planes(set, source(set), node, &self.rects[firsts[at]..])
+        };
+        let from_captures = sets.iter().any(|set| source(set).is_some());
+        let drawn = self.draw(sets.len(), (&pyramid, from_captures), &scene)?;
+        self.atlas = pyramid.swap_remove(0);
+        for (pictures, first) in drawn.into_iter().zip(firsts) {
+            let set = self.hang(pictures, &self.rects[first..]);
+            self.quads.sets.push(set);
         }
-        Ok(atlas)
+        Ok(())
+    }
+
+    /// Mips of the atlas as it stands; the atlas itself moves into them, and is to be put back.
+    fn pyramid(&mut self) -> Vec<Image<Texel>> {
+        let atlas = core::mem::replace(&mut self.atlas, Image::filled(0, 0, Texel::EMPTY));
+        mips::chain(atlas, MIPS, ALPHA_CUTOFF)
+    }
+
+    /// Draws one pass with mips of the atlas, of which only the leaves are shown, or captures as well.
+    fn draw(
+        &self,
+        scenes: usize,
+        (pyramid, from_captures): (&[Image<Texel>], bool),
+        scene: &(dyn Fn(&Studio<'_>, usize) -> Result<Scene, BakeError> + Sync),
+    ) -> Result<Vec<Vec<Picture>>, BakeError> {
+        let reliefs = self.quads.reliefs();
+        let studio = Studio {
+            tree: self.tree,
+            quads: &self.quads,
+            bark_height: self.bark.1,
+            supersample: self.settings.supersample,
+        };
+        let pass = Pass {
+            textures: Textures {
+                bark: self.bark.0,
+                foliage: pyramid,
+                reliefs: &reliefs,
+            },
+            parts: if from_captures {
+                self.rects
+            } else {
+                self.leaves
+            },
+            supersample: self.settings.supersample,
+            scenes,
+            scene: &|at| scene(&studio, at),
+        };
+        self.backend.draw(&pass, self.progress)
+    }
+
+    /// Copies pictures into their rectangles; gives the quads that show them.
+    fn hang(&mut self, pictures: Vec<Picture>, rects: &[Rect]) -> Vec<Quad> {
+        let mut quads = Vec::new();
+        for (picture, rect) in pictures.into_iter().zip(rects) {
+            let capture = studio::mounted(picture);
+            copy_into(&mut self.atlas, rect, &capture.image);
+            quads.push(Quad {
+                uv: uv_of(rect, self.settings.atlas_size),
+                ..capture.quad
+            });
+        }
+        quads
     }
 }
 

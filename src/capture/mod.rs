@@ -1,16 +1,22 @@
-//! Captures: render to texture, on the CPU.
+//! Captures: render to texture, on the CPU or by another [`Backend`].
 //!
 //! Home of: Koniaris, Gaitatzes, Papaioannou 2009, section IV.D. Captured per texel: albedo, coverage,
 //! normal in the quad's tangent frame, ambient occlusion, roughness, translucency, depth offset. Never
 //! baked lighting.
 
+mod backend;
 mod bake;
+mod cpu;
 mod occlusion;
 mod plan;
 mod raster;
 mod studio;
 
-pub use bake::{BakeError, Baked, LeafArtwork, Settings, Source, bake, leaf_sheet, standing};
+pub use backend::{Backend, Pass, Picture, Scene, Shot};
+pub use bake::{
+    BakeError, Baked, LeafArtwork, Settings, Source, bake, bake_with, leaf_sheet, standing,
+};
+pub use cpu::Cpu;
 pub use occlusion::Occlusion;
 pub use plan::{Plan, PlaneSet, Subject, VIEWS};
 pub use raster::{ALPHA_CUTOFF, Seen, Textures, View, Visibility};

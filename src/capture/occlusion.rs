@@ -37,21 +37,56 @@ impl Occlusion {
     /// Gathers the density of a mesh and the light that all directions together bring to each cell.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
-        let mut grid = Self::density_of(mesh, CELLS, 1.0);
+        let mut grid = Self::unlit(mesh);
+        grid.light();
+        grid
+    }
+
+    /// The density of a mesh as [`Occlusion::of`] gathers it; [`Occlusion::light`] is still to come.
+    #[must_use]
+    pub fn unlit(mesh: &Mesh) -> Self {
+        Self::density_of(mesh, CELLS, 1.0)
+    }
+
+    /// Works out the light that all directions together bring to each cell.
+    pub fn light(&mut self) {
         let directions = all_around();
-        grid.open = (0..grid.density.len())
+        self.open = (0..self.density.len())
             .map(|index| {
-                let point = grid.middle(index);
+                let point = self.middle(index);
                 let sum: f32 = directions
                     .iter()
-                    .map(|&d| grid.transmittance(point, d))
+                    .map(|&d| self.transmittance(point, d))
                     .sum();
                 #[expect(clippy::cast_precision_loss, reason = "a handful of directions")]
                 let mean = sum / directions.len() as f32;
                 mean
             })
             .collect();
-        grid
+    }
+
+    /// Corner of the first cell, metres.
+    #[must_use]
+    pub fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// Edge of a cell, metres.
+    #[must_use]
+    pub fn cell(&self) -> f32 {
+        self.cell
+    }
+
+    /// Cells along x, y and z.
+    #[must_use]
+    pub fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    /// Optical depth per metre in each cell: x runs fastest, then y.
+    #[must_use]
+    pub fn density(&self) -> &[f32] {
+        &self.density
     }
 
     /// The density alone, in a grid of `cells` along the longest edge; bark counts for a part of its area.

@@ -1,27 +1,27 @@
-//! The studio: one subject in front of the camera, its two pictures resolved to texels.
+//! The studio: one subject in front of the camera, and the quads that its pictures are put on.
 
 use super::BakeError;
+use super::backend::{Picture, Scene, Shot};
 use super::bake::{inner_size, subject_at};
 use super::occlusion::Occlusion;
 use super::plan::{PlaneSet, Subject, VIEWS};
-use super::raster::{Textures, View, Visibility};
+use super::raster::View;
 use crate::image::atlas::Rect;
 use crate::image::{Image, Texel};
 use crate::impostor::cross_quad::{self, CrossQuads, RIGHT};
 use crate::impostor::planes::{self, Plane, strips};
 use crate::lod::{Form as LodForm, State};
-use crate::math::{Bounds, Quat, Similarity, Vec3, float};
+use crate::math::{Bounds, Quat, Similarity, Vec3};
 use crate::mesh::card::{Quad, UvRect};
 use crate::mesh::{Flattener, Mesh, TooLarge, Vertex};
 use crate::tree::{Part, Tree};
-use rayon::prelude::*;
 
 /// Geometry LOD of the captured branch itself: finer rings than a texel can show are wasted. Each level
 /// further out is smaller in the same picture, and takes one coarser.
 pub(crate) const CAPTURE_SPLINE_LOD: usize = 1;
 
 /// One finished capture: its texels, and the quad to put them on (without its place in the atlas).
-pub(super) struct Shot {
+pub(super) struct Capture {
     pub(super) image: Image<Texel>,
     pub(super) quad: Quad,
 }
@@ -46,18 +46,6 @@ fn turned(cross: f32) -> [Vec3; VIEWS] {
     RIGHT.map(|right| turn * right)
 }
 
-/// What both views of a subject share.
-struct Frame {
-    /// Bounds of the whole subject, metres.
-    bounds: Bounds,
-    /// Mean point of its branch's curve.
-    axis: Option<Vec3>,
-    /// Radius of a single branch as captured, metres; 0 for combined levels.
-    thick: f32,
-    /// Thickness of the captured node.
-    thickness: f32,
-}
-
 /// The mean point of a part's curve.
 fn mean_axis(part: &Part) -> Option<Vec3> {
     match part {
@@ -70,61 +58,63 @@ fn mean_axis(part: &Part) -> Option<Vec3> {
 pub(super) struct Studio<'a> {
     pub(super) tree: &'a Tree,
     pub(super) quads: &'a CrossQuads,
-    pub(super) textures: Textures<'a>,
     pub(super) bark_height: f32,
     pub(super) supersample: u32,
 }
 
 impl Studio<'_> {
-    pub(super) fn shoot(
+    /// A subject seen from two sides.
+    pub(super) fn scene(
         &self,
         subject: Subject,
         source: Option<usize>,
         node: Node,
         rects: [&Rect; VIEWS],
-    ) -> Result<[Shot; VIEWS], BakeError> {
+    ) -> Result<Scene, BakeError> {
         let (level, prototype) = subject_at(subject);
         let state = self.state(subject, source);
         let mut form = self.quads.form(self.tree, &state, self.bark_height);
         let mesh = self.mesh(&form, level, prototype, node)?;
-        let occlusion = Occlusion::of(&mesh);
         let part = &self.tree.prototype(level, prototype).part;
         let rights = match subject {
             Subject::Combined { .. } => turned(node.cross),
             Subject::Branch { .. } => RIGHT,
         };
-        let second = if matches!(subject, Subject::Combined { .. }) && strays(part, rights[0]) {
+        let mut meshes = vec![mesh];
+        if matches!(subject, Subject::Combined { .. }) && strays(part, rights[0]) {
             form.templates[level][prototype] = None;
-            Some(self.mesh(&form, level, prototype, node)?)
-        } else {
-            None
-        };
+            meshes.push(self.mesh(&form, level, prototype, node)?);
+        }
         let thick = match (subject, part) {
             (Subject::Branch { .. }, Part::Branch(branch)) => branch.radius * node.thickness,
             _ => 0.0,
         };
-        let frame = Frame {
-            bounds: mesh.bounds(),
-            axis: mean_axis(part),
-            thick,
-            thickness: node.thickness,
+        let bounds = meshes[0].bounds();
+        let shot = |index: usize| {
+            let view = Self::view(&meshes[0], &bounds, rights[index]);
+            Shot {
+                mesh: index.min(meshes.len() - 1),
+                axis: mean_axis(part),
+                thick,
+                thickness: node.thickness,
+                ..self.shot(view, rects[index])
+            }
         };
-        let second = second.as_ref().unwrap_or(&mesh);
-        let views = rights.map(|right| Self::view(&mesh, &frame, right));
-        Ok([
-            self.shot(&mesh, views[0], &occlusion, &frame, rects[0]),
-            self.shot(second, views[1], &occlusion, &frame, rects[1]),
-        ])
+        Ok(Scene {
+            occlusion: Occlusion::unlit(&meshes[0]),
+            shots: (0..VIEWS).map(shot).collect(),
+            meshes,
+        })
     }
 
-    /// Captures a set of planes.
-    pub(super) fn shoot_planes(
+    /// A set of planes.
+    pub(super) fn scene_of_planes(
         &self,
         set: &PlaneSet,
         source: Option<usize>,
         node: Node,
         rects: &[Rect],
-    ) -> Result<Vec<Shot>, BakeError> {
+    ) -> Result<Scene, BakeError> {
         let (level, prototype) = (set.level, set.prototype);
         // What a plane's members count are the items of this very mesh.
         let state = self.state(Subject::Combined { level, prototype }, source);
@@ -136,16 +126,16 @@ impl Studio<'_> {
         } else {
             self.mesh(&form, level, prototype, node)?
         };
-        let occlusion = Occlusion::of(&mesh);
+        let occlusion = Occlusion::unlit(&mesh);
         let items = planes::items(&mesh);
-        let shot = |(plane, rect): (&Plane, &Rect)| {
-            let part = planes::part(&mesh, &items, plane);
-            let frame = Frame {
-                thick: 0.0,
-                thickness: 1.0,
-                axis: Some(plane.centre),
-                bounds: Bounds::EMPTY,
-            };
+        let parts = set.planes.iter().filter(|p| p.members.is_some());
+        let mut meshes: Vec<Mesh> = parts.map(|p| planes::part(&mesh, &items, p)).collect();
+        let whole = meshes.len();
+        if whole < set.planes.len() {
+            meshes.push(mesh);
+        }
+        let mut next = 0..whole;
+        let mut shot = |(plane, rect): (&Plane, &Rect)| {
             let view = View {
                 centre: plane.centre,
                 right: plane.right,
@@ -154,14 +144,33 @@ impl Studio<'_> {
                 width: 0,
                 height: 0,
             };
-            self.shot(&part, view, &occlusion, &frame, rect)
+            let own = plane.members.as_ref().and_then(|_| next.next());
+            Shot {
+                mesh: own.unwrap_or(whole),
+                axis: Some(plane.centre),
+                ..self.shot(view, rect)
+            }
         };
-        Ok(set.planes.par_iter().zip(rects).map(shot).collect())
+        Ok(Scene {
+            shots: set.planes.iter().zip(rects).map(&mut shot).collect(),
+            meshes,
+            occlusion,
+        })
+    }
+
+    /// A view with its size for a rectangle of the atlas.
+    fn shot(&self, view: View, rect: &Rect) -> Shot {
+        let (width, height) = inner_size(rect);
+        let view = View {
+            width: width * self.supersample,
+            height: height * self.supersample,
+            ..view
+        };
+        Shot::new(0, view, [width, height])
     }
 
     /// The frame of one upright view, tight around a mesh; its size in samples is still to be set.
-    fn view(mesh: &Mesh, frame: &Frame, right: Vec3) -> View {
-        let bounds = &frame.bounds;
+    fn view(mesh: &Mesh, bounds: &Bounds, right: Vec3) -> View {
         let (centre, half) = if right == RIGHT[0] || right == RIGHT[1] {
             let size = bounds.size().max(Vec3::splat(1e-5));
             (bounds.centre(), [size.dot(right.abs()) * 0.5, size.y * 0.5])
@@ -245,80 +254,32 @@ impl Studio<'_> {
         }
         Ok(mesh)
     }
+}
 
-    fn shot(
-        &self,
-        mesh: &Mesh,
-        view: View,
-        occlusion: &Occlusion,
-        frame: &Frame,
-        rect: &Rect,
-    ) -> Shot {
-        let (width, height) = inner_size(rect);
-        let half = view.half;
-        let view = View {
-            width: width * self.supersample,
-            height: height * self.supersample,
-            ..view
-        };
-        let seen = Visibility::draw(mesh, self.textures, &view);
-        let mut image = self.resolve(&seen, mesh, &view, occlusion, (width, height));
-        // Where the branch itself stands, so that it is not seen beside itself; else in the mean.
-        let plane = frame.axis.map_or_else(
-            || mean_depth(&image),
-            |axis| (axis - view.centre).dot(view.toward()),
-        );
-        let longer = (2.0 * half[0]).max(2.0 * half[1]);
-        for texel in image.texels_mut().iter_mut().filter(|t| t.alpha > 0.0) {
-            texel.depth = ((texel.depth - plane) / longer).clamp(-1.0, 1.0);
-        }
-        let centre = view.centre + view.toward() * plane;
-        let thick = frame.thick.min(half[0] * 0.95);
-        Shot {
-            image,
-            quad: Quad {
-                centre,
-                right: view.right,
-                up: view.up,
-                half,
-                thick,
-                captured_thickness: frame.thickness,
-                uv: UvRect::ALL,
-            },
-        }
+/// Makes depth relative to the plane that a picture is put on, and says where that is.
+pub(super) fn mounted(picture: Picture) -> Capture {
+    let Picture { shot, mut image } = picture;
+    let (view, half) = (&shot.view, shot.view.half);
+    // Where the branch itself stands, so that it is not seen beside itself; else in the mean.
+    let plane = shot.axis.map_or_else(
+        || mean_depth(&image),
+        |axis| (axis - view.centre).dot(view.toward()),
+    );
+    let longer = (2.0 * half[0]).max(2.0 * half[1]);
+    for texel in image.texels_mut().iter_mut().filter(|t| t.alpha > 0.0) {
+        texel.depth = ((texel.depth - plane) / longer).clamp(-1.0, 1.0);
     }
-
-    /// Averages the samples of each texel; depth is still in metres.
-    fn resolve(
-        &self,
-        seen: &Visibility,
-        mesh: &Mesh,
-        view: &View,
-        occlusion: &Occlusion,
-        (width, height): (u32, u32),
-    ) -> Image<Texel> {
-        let n = self.supersample;
-        let row = |y: u32| {
-            (0..width).map(move |x| {
-                let mut sum = Sum::default();
-                for (sx, sy) in (0..n).flat_map(|j| (0..n).map(move |i| (x * n + i, y * n + j))) {
-                    if let Some(seen) = seen.surface(sx, sy, mesh, self.textures, view) {
-                        sum.add(&seen.texel);
-                    }
-                }
-                let mut texel = sum.mean(n * n);
-                if texel.alpha > 0.0 {
-                    let at = glam::Vec2::new(
-                        float(x * n) + 0.5 * float(n),
-                        float(y * n) + 0.5 * float(n),
-                    );
-                    texel.occlusion *= occlusion.open(view.unproject(at, texel.depth));
-                }
-                texel
-            })
-        };
-        let texels: Vec<Texel> = (0..height).into_par_iter().flat_map_iter(row).collect();
-        Image::from_texels(width, height, texels)
+    Capture {
+        image,
+        quad: Quad {
+            centre: view.centre + view.toward() * plane,
+            right: view.right,
+            up: view.up,
+            half,
+            thick: shot.thick.min(half[0] * 0.95),
+            captured_thickness: shot.thickness,
+            uv: UvRect::ALL,
+        },
     }
 }
 
@@ -355,47 +316,4 @@ fn mean_depth(image: &Image<Texel>) -> f32 {
         0.0
     };
     mean
-}
-
-/// Running sum of covered samples.
-#[derive(Default)]
-struct Sum {
-    albedo: Vec3,
-    normal: Vec3,
-    rest: [f32; 4],
-    count: u32,
-}
-
-impl Sum {
-    fn add(&mut self, texel: &Texel) {
-        self.albedo += Vec3::from(texel.albedo);
-        self.normal += Vec3::from(texel.normal);
-        let rest = [
-            texel.occlusion,
-            texel.roughness,
-            texel.translucency,
-            texel.depth,
-        ];
-        for (sum, value) in self.rest.iter_mut().zip(rest) {
-            *sum += value;
-        }
-        self.count += 1;
-    }
-
-    fn mean(&self, samples: u32) -> Texel {
-        if self.count == 0 {
-            return Texel::EMPTY;
-        }
-        let part = 1.0 / float(self.count);
-        let [occlusion, roughness, translucency, depth] = self.rest.map(|x| x * part);
-        Texel {
-            albedo: (self.albedo * part).to_array(),
-            alpha: float(self.count) / float(samples),
-            normal: self.normal.normalize_or(Vec3::Z).to_array(),
-            occlusion,
-            roughness,
-            translucency,
-            depth,
-        }
-    }
 }

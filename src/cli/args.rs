@@ -64,9 +64,20 @@ pub(crate) struct Tree {
     /// Edge of the foliage atlas, texels: a power of two.
     #[arg(long, default_value_t = 1024)]
     pub(crate) texture_size: u32,
-    /// What draws the captures.
-    #[arg(long, default_value = "auto", value_parser = ["cpu", "gpu", "auto"])]
-    pub(crate) baker: String,
+    /// What draws captures and shadows. `auto` is the CPU: its bytes are the same on every machine.
+    #[arg(long, value_enum, default_value_t = Baker::Auto)]
+    pub(crate) baker: Baker,
+}
+
+/// What draws captures and shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Baker {
+    /// The CPU, without any driver: same script and seed, same bytes.
+    Cpu,
+    /// A graphics adapter or its software driver: same pack within a tolerance.
+    Gpu,
+    /// The CPU.
+    Auto,
 }
 
 /// How LODs are made, whatever the script says.

@@ -1,10 +1,10 @@
 //! `pleach generate`.
 
-use super::args::{self, Generate};
+use super::args::{self, Baker, Generate};
 use super::progress::Bar;
 use super::{End, Failure, table};
 use crate::pack::{self, Manifest};
-use crate::pipeline::{self, GenerateError, Settings};
+use crate::pipeline::{self, Bakers, GenerateError, Settings};
 use std::time::Instant;
 
 pub(crate) fn run(args: &Generate) -> Result<End, Failure> {
@@ -17,8 +17,10 @@ pub(crate) fn run(args: &Generate) -> Result<End, Failure> {
     // Now as well as when writing, so that nobody waits for a tree that is then refused.
     pack::check_place(&args.out, &name, args.pack.replace()).map_err(Failure::write)?;
     pack::sweep(&args.out, |other| other == name);
+    let oven = Oven::of(args.tree.baker)?;
     let bar = Bar::alone(&script.species.name);
-    let asset = pipeline::generate(&script.species, &settings, &script.files, &bar)
+    let (species, files) = (&script.species, &script.files);
+    let asset = pipeline::generate_with(oven.bakers(), species, &settings, files, &bar)
         .map_err(|error| failure(&args.species, &error))?;
     let files =
         pack::build(&asset, script.text.as_bytes(), args.pack.options()).map_err(Failure::input)?;
@@ -57,9 +59,10 @@ struct Made<'a> {
 
 /// Settings from arguments; all of them are checked before any work.
 fn settings(tree: &args::Tree, seed: Option<u64>) -> Result<Settings, Failure> {
-    if tree.baker == "gpu" {
+    if tree.baker == Baker::Gpu && cfg!(not(feature = "gpu")) {
         return Err(Failure::usage(
-            "--baker gpu: this build has no GPU backend; use --baker cpu, which needs no driver",
+            "--baker gpu: this build has no GPU backend; build with `cargo build --release --features gpu`, or use \
+             --baker cpu, which needs no driver",
         ));
     }
     let (full, budgets) = args::budgets(tree.budgets.as_deref()).map_err(Failure::usage)?;
@@ -74,7 +77,56 @@ fn settings(tree: &args::Tree, seed: Option<u64>) -> Result<Settings, Failure> {
     Ok(settings)
 }
 
+/// What draws captures and shadows.
+enum Oven {
+    Cpu,
+    #[cfg(feature = "gpu")]
+    Gpu(Box<crate::gpu_bake::Baker>),
+}
+
+impl Oven {
+    /// The CPU unless an adapter is asked for by name: packs are the same bytes everywhere.
+    fn of(baker: Baker) -> Result<Self, Failure> {
+        match baker {
+            Baker::Cpu | Baker::Auto => Ok(Self::Cpu),
+            #[cfg(feature = "gpu")]
+            Baker::Gpu => {
+                let open = || crate::gpu_bake::Baker::new(&crate::gpu::Gpu::headless()?);
+                let baker = open().map_err(|error| {
+                    let message = format!("--baker gpu: {error}; or use --baker cpu");
+                    if error.is_worth_another_try() {
+                        Failure::machine(message)
+                    } else {
+                        Failure::input(message)
+                    }
+                })?;
+                eprintln!("captures and shadows by {}", baker.gpu().describe());
+                Ok(Self::Gpu(Box::new(baker)))
+            }
+            // Refused with the other settings.
+            #[cfg(not(feature = "gpu"))]
+            Baker::Gpu => Ok(Self::Cpu),
+        }
+    }
+
+    fn bakers(&self) -> Bakers<'_> {
+        match self {
+            Self::Cpu => Bakers::CPU,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(baker) => Bakers {
+                captures: &**baker,
+                shadows: &**baker,
+            },
+        }
+    }
+}
+
 /// A tree that could not be made; the message names the script.
 pub(crate) fn failure(path: &std::path::Path, error: &GenerateError) -> Failure {
-    Failure::input(format!("{}: {error}", path.display()))
+    let message = format!("{}: {error}", path.display());
+    if error.is_passing() {
+        Failure::machine(message)
+    } else {
+        Failure::input(message)
+    }
 }

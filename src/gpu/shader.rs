@@ -21,6 +21,11 @@ const FOREST_TREES: &str = include_str!("../../shaders/forest_trees.wgsl");
 const FOREST_GROUND: &str = include_str!("../../shaders/forest_ground.wgsl");
 const CULL: &str = include_str!("../../shaders/cull.wgsl");
 const PRESENT: &str = include_str!("../../shaders/present.wgsl");
+const CAPTURE: &str = include_str!("../../shaders/capture.wgsl");
+const CAPTURE_SEEN: &str = include_str!("../../shaders/capture_seen.wgsl");
+const CAPTURE_TEXELS: &str = include_str!("../../shaders/capture_texels.wgsl");
+const CAPTURE_LIGHT: &str = include_str!("../../shaders/capture_light.wgsl");
+const SHADOW_BAKE: &str = include_str!("../../shaders/shadow_bake.wgsl");
 
 /// Trees: colour, depth for the shadow map, and the views that show how they are made.
 pub const TREES: Source = Source {
@@ -58,8 +63,43 @@ pub const CULLS: Source = Source {
     files: &[CULL],
 };
 
+/// Captures: the surface that each sample sees.
+pub const CAPTURES_SEEN: Source = Source {
+    name: "captures, what is seen",
+    files: &[CAPTURE, CAPTURE_SEEN],
+};
+
+/// Captures: from samples to texels.
+pub const CAPTURES_TEXELS: Source = Source {
+    name: "captures, texels",
+    files: &[CAPTURE, CAPTURE_TEXELS],
+};
+
+/// Captures: light inside crowns.
+pub const CAPTURES_LIGHT: Source = Source {
+    name: "captures, light",
+    files: &[CAPTURE_LIGHT],
+};
+
+/// Soft ground shadows.
+pub const SHADOWS: Source = Source {
+    name: "baked shadows",
+    files: &[SHADOW_BAKE],
+};
+
 /// All modules.
-pub const ALL: [Source; 6] = [TREES, GROUNDS, PRESENTS, FORESTS, FOREST_GROUNDS, CULLS];
+pub const ALL: [Source; 10] = [
+    TREES,
+    GROUNDS,
+    PRESENTS,
+    FORESTS,
+    FOREST_GROUNDS,
+    CULLS,
+    CAPTURES_SEEN,
+    CAPTURES_TEXELS,
+    CAPTURES_LIGHT,
+    SHADOWS,
+];
 
 impl Source {
     /// The whole text.

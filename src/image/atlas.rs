@@ -25,6 +25,20 @@ pub struct Rect {
     pub height: u32,
 }
 
+impl Rect {
+    /// The same with its gutters: it begins and ends on multiples of 8, where texels of three mips do, too.
+    #[must_use]
+    pub fn outer(&self) -> Self {
+        let gutter = GUTTER.min(self.x).min(self.y);
+        Self {
+            x: self.x - gutter,
+            y: self.y - gutter,
+            width: self.width + 2 * gutter,
+            height: self.height + 2 * gutter,
+        }
+    }
+}
+
 /// The shape that a part would like: its size at a density of 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {

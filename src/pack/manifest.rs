@@ -23,6 +23,11 @@ pub struct Manifest {
     pub version: u32,
     /// Program and version that wrote the pack.
     pub generator: String,
+    /// The graphics adapter that drew captures and shadows (`--baker gpu`): its textures, and what was measured with
+    /// them, equal the processor's within a tolerance only. Left out where the processor drew: then the same script
+    /// and seed give the same bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baker: Option<String>,
     /// What grew.
     pub species: SpeciesEntry,
     /// Seed.
@@ -316,6 +321,7 @@ impl Manifest {
             format: FORMAT.to_owned(),
             version: VERSION,
             generator: concat!("pleach ", env!("CARGO_PKG_VERSION")).to_owned(),
+            baker: asset.baker.clone(),
             species: SpeciesEntry {
                 name: asset.name.clone(),
                 latin: asset.latin.clone(),

@@ -19,8 +19,8 @@ use crate::measure::menu::{self, Forms};
 use crate::measure::silhouette::Cutouts;
 use crate::measure::yardstick::Yardstick;
 use crate::mesh::{Flattener, Mesh, Swayer, TooLarge};
-use crate::report::{Cancelled, Progress, Warning};
-use crate::shadow::{self, Shadows};
+use crate::report::{Cancelled, MachineFault, Progress, Warning};
+use crate::shadow;
 use crate::species::Files;
 use crate::species::schema::{LeafLook, LodSelector, Species};
 use crate::texture;
@@ -109,6 +109,9 @@ pub enum GenerateError {
     /// Captures could not be made.
     #[error(transparent)]
     Bake(#[from] BakeError),
+    /// The machine that draws captures or shadows failed.
+    #[error(transparent)]
+    Machine(#[from] MachineFault),
     /// A mesh would be too large.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
@@ -127,6 +130,26 @@ pub enum GenerateError {
     Cancelled(#[from] Cancelled),
 }
 
+impl GenerateError {
+    /// True if the machine is at fault and another try may help.
+    #[must_use]
+    pub fn is_passing(&self) -> bool {
+        match self {
+            Self::Machine(fault) | Self::Bake(BakeError::Machine(fault)) => fault.passing,
+            _ => false,
+        }
+    }
+}
+
+impl From<shadow::BakeError> for GenerateError {
+    fn from(error: shadow::BakeError) -> Self {
+        match error {
+            shadow::BakeError::Cancelled(error) => error.into(),
+            shadow::BakeError::Machine(error) => error.into(),
+        }
+    }
+}
+
 impl From<MeasureError> for GenerateError {
     fn from(error: MeasureError) -> Self {
         match error {
@@ -136,11 +159,50 @@ impl From<MeasureError> for GenerateError {
     }
 }
 
+/// What draws captures and shadows.
+#[derive(Clone, Copy)]
+pub struct Bakers<'a> {
+    /// Captures.
+    pub captures: &'a dyn capture::Backend,
+    /// Shadows.
+    pub shadows: &'a dyn shadow::Backend,
+}
+
+impl Bakers<'static> {
+    /// The processor: the same bytes everywhere.
+    pub const CPU: Self = Self {
+        captures: &capture::Cpu,
+        shadows: &shadow::Cpu,
+    };
+}
+
+impl Bakers<'_> {
+    /// What drew, in words, unless the processor did.
+    fn inexact(&self) -> Option<String> {
+        self.captures.inexact().or_else(|| self.shadows.inexact())
+    }
+}
+
 /// Makes a tree: grow, texture, capture, choose LODs, flatten, shadow.
 ///
 /// # Errors
 /// See [`GenerateError`]; warnings travel in the asset.
 pub fn generate(
+    species: &Species,
+    settings: &Settings,
+    files: &dyn Files,
+    progress: &dyn Progress,
+) -> Result<TreeAsset, GenerateError> {
+    generate_with(Bakers::CPU, species, settings, files, progress)
+}
+
+/// The same with captures and shadows drawn by somebody else. Only the processor gives the same bytes for the
+/// same script and seed on any machine.
+///
+/// # Errors
+/// See [`GenerateError`]; warnings travel in the asset.
+pub fn generate_with(
+    bakers: Bakers<'_>,
     species: &Species,
     settings: &Settings,
     files: &dyn Files,
@@ -157,7 +219,8 @@ pub fn generate(
     let budgets = (budgets, settings.full);
     let drafts = choose::draft(&tree, &species.lod, forms.as_ref(), budgets);
     let used = choose::extend(&mut plan, &tree, forms.as_ref(), &drafts);
-    let baked = capture::bake(
+    let baked = capture::bake_with(
+        bakers.captures,
         &tree,
         &plan,
         &artwork,
@@ -187,15 +250,11 @@ pub fn generate(
     }
     let mut warnings = baked.warnings;
     warnings.extend(drafts.warnings);
-    let (shadows, warning) = shadows(
-        species,
-        settings,
-        &tree,
-        &baked.atlas,
-        &baked.quads,
-        progress,
-    )?;
-    warnings.extend(warning);
+    let mesh = caster(species, &tree, &baked.quads)?;
+    warnings.extend(simplified(species, &tree, &mesh));
+    let alpha = baked.atlas.map(|t| byte_from_unit(t.alpha));
+    let alpha = (&alpha, byte_from_unit(ALPHA_CUTOFF));
+    let shadows = shadow::bake_with(bakers.shadows, &mesh, alpha, &settings.shadows, progress)?;
     let sources = sources(species, files)?;
     let mut atlas = baked.atlas;
     let kinds = plan.captures()..plan.captures() + artwork.kinds();
@@ -206,6 +265,7 @@ pub fn generate(
         latin: species.latin.clone(),
         slug: species.slug.clone(),
         seed,
+        baker: bakers.inexact(),
         asked: settings.asked(species),
         captures: plan.captures(),
         plane_captures: plan.plane_captures(),
@@ -379,25 +439,13 @@ fn lods(
 /// Triangles that the shadows are cast by at most: more would not show in a soft shadow.
 const SHADOW_TRIANGLES: u64 = 60_000;
 
-/// The shadows, from the finest form that is not wastefully fine.
-fn shadows(
-    species: &Species,
-    settings: &Settings,
-    tree: &Tree,
-    atlas: &Image<Texel>,
-    quads: &CrossQuads,
-    progress: &dyn Progress,
-) -> Result<(Shadows, Option<Warning>), GenerateError> {
-    let selector = Selector::new(tree, &species.lod);
-    let mesh = caster(species, tree, quads, &selector)?;
-    let (triangles, used) = (selector.full_triangles(), mesh.triangles());
-    let alpha = atlas.map(|t| byte_from_unit(t.alpha));
-    let cutoff = byte_from_unit(ALPHA_CUTOFF);
-    let shadows = shadow::bake(&mesh, &alpha, cutoff, &settings.shadows, progress)?;
-    // Coarser branches alone cannot be told apart in a shadow; fewer leaves can.
-    let warning = (mesh.foliage.triangles() < leaf_triangles(tree))
-        .then_some(Warning::ShadowsSimplified { triangles, used });
-    Ok((shadows, warning))
+/// A warning if the shadows are cast by fewer leaves than there are. (Coarser branches alone cannot be told
+/// apart in a shadow.)
+fn simplified(species: &Species, tree: &Tree, caster: &Mesh) -> Option<Warning> {
+    (caster.foliage.triangles() < leaf_triangles(tree)).then(|| Warning::ShadowsSimplified {
+        triangles: Selector::new(tree, &species.lod).full_triangles(),
+        used: caster.triangles(),
+    })
 }
 
 fn leaf_triangles(tree: &Tree) -> u64 {
@@ -406,13 +454,9 @@ fn leaf_triangles(tree: &Tree) -> u64 {
         .foliage
 }
 
-/// The mesh that casts the shadows.
-fn caster(
-    species: &Species,
-    tree: &Tree,
-    quads: &CrossQuads,
-    selector: &Selector,
-) -> Result<Mesh, TooLarge> {
+/// The mesh that casts the shadows: the finest form that is not wastefully fine.
+fn caster(species: &Species, tree: &Tree, quads: &CrossQuads) -> Result<Mesh, TooLarge> {
+    let selector = Selector::new(tree, &species.lod);
     let chain = selector.chain(&[SHADOW_TRIANGLES], false);
     let state = chain
         .lods

@@ -1,24 +1,20 @@
 //! The nine soft shadows: hard shadows of all samples, summed.
 
-use rayon::prelude::*;
-
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::Mesh;
 use crate::report::{Cancelled, Progress};
+use crate::shadow::backend::{Backend, BakeError, Light, Work};
 use crate::shadow::coverage::Coverage;
+use crate::shadow::cpu;
 use crate::shadow::directions::{COUNT, Sample, band_step, direction, samples};
-use crate::shadow::ground::{Casters, Ground, floor_log2};
-use crate::shadow::raster::{Cut, Mask};
+use crate::shadow::ground::{Casters, Ground};
 use crate::shadow::{Settings, ShadowMap, Shadows};
 
 /// Sum of a texel in the shadow of all samples: 256 steps a byte, and no overflow of 16 bits.
 const FULL: u16 = 255 * 256;
 
-/// 2^32 over the golden ratio: its multiples fill the circle of 32-bit numbers evenly.
-const GOLDEN: u32 = 0x9e37_79b9;
-
-/// Casts the soft shadows of a mesh on the ground from all nine lights.
+/// Casts the soft shadows of a mesh on the ground from all nine lights, drawn by the processor.
 ///
 /// Bark is solid. Foliage casts where `alpha`, the foliage atlas's coverage (uv 0..=1, v down,
 /// nearest texel beyond), is at least `cutoff`. An empty mesh has maps all lit. The same bytes at
@@ -33,54 +29,72 @@ pub fn bake(
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Shadows, Cancelled> {
+    with_sums(mesh, (alpha, cutoff), settings, progress, |work| {
+        cpu::sums(work, progress)
+    })
+}
+
+/// The same, drawn by a backend.
+///
+/// # Errors
+/// If `progress` cancels, or the backend's machine fails.
+pub fn bake_with(
+    backend: &dyn Backend,
+    mesh: &Mesh,
+    (alpha, cutoff): (&Image<u8>, u8),
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Shadows, BakeError> {
+    with_sums(mesh, (alpha, cutoff), settings, progress, |work| {
+        backend.sums(work, progress)
+    })
+}
+
+fn with_sums<E>(
+    mesh: &Mesh,
+    (alpha, cutoff): (&Image<u8>, u8),
+    settings: &Settings,
+    progress: &dyn Progress,
+    sums: impl FnOnce(&Work<'_>) -> Result<Vec<Vec<u16>>, E>,
+) -> Result<Shadows, E> {
     let settings = settings.clamped();
     let coverage = Coverage::new(alpha, cutoff);
     let casters = Casters::new(mesh, &coverage);
     let a_map = 1 + u64::from(settings.bands) * u64::from(settings.samples);
     progress.begin("shadows", COUNT as u64 * a_map);
-    let maps = (0..COUNT).into_par_iter().map(|index| {
-        let light = direction(index);
-        let job = Job::new(&casters, &coverage, light, &settings);
-        let sums = job.sums(progress)?;
-        Ok(job.map(light, &sums))
-    });
+    let places: Vec<Place> = (0..COUNT)
+        .map(|index| Place::new(&casters, direction(index), &settings))
+        .collect();
+    let lights: Vec<Light> = places.iter().map(Place::light).collect();
+    let sums = sums(&Work {
+        casters: &casters,
+        coverage: &coverage,
+        lights: &lights,
+        size: settings.size,
+    })?;
+    let maps = places.iter().zip(sums);
     Ok(Shadows {
-        maps: maps.collect::<Result<_, _>>()?,
+        maps: maps.map(|(place, sums)| place.map(&sums)).collect(),
     })
 }
 
-/// One light's shadow.
-struct Job<'a> {
-    casters: &'a Casters,
-    coverage: &'a Coverage,
+/// Where one light's shadow lies.
+struct Place {
+    to_light: Vec3,
     samples: Vec<Sample>,
-    /// Integer shares of the samples; they sum to [`FULL`].
-    shares: Vec<u16>,
-    /// Where each sample's grid lies against the map's, texels.
-    shifts: Vec<Vec2>,
     ground: Ground,
     /// Angle between bands, radians.
     step: f32,
     size: u32,
 }
 
-/// What a thread needs to draw samples one after the other.
-struct Desk {
-    shadows: Vec<[f32; 2]>,
-    mask: Mask,
-    sums: Vec<u16>,
-}
-
-impl<'a> Job<'a> {
-    fn new(casters: &'a Casters, coverage: &'a Coverage, light: Vec3, settings: &Settings) -> Self {
-        let samples = samples(light, settings);
+impl Place {
+    fn new(casters: &Casters, to_light: Vec3, settings: &Settings) -> Self {
+        let samples = samples(to_light, settings);
         let size = settings.size;
         let step = band_step(settings);
         Self {
-            casters,
-            coverage,
-            shares: shares(&samples),
-            shifts: shifts(&samples),
+            to_light,
             ground: Ground::around(casters, &samples, step, size),
             step,
             samples,
@@ -88,78 +102,19 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Summed shares of the samples in whose shadow each texel lies.
-    fn sums(&self, progress: &dyn Progress) -> Result<Vec<u16>, Cancelled> {
-        let texels = self.size as usize * self.size as usize;
-        let desk = || Desk {
-            shadows: Vec::with_capacity(self.casters.points.len()),
-            mask: Mask::new(self.size),
-            sums: vec![0; texels],
-        };
-        let draw = |mut desk: Desk, index: usize| {
-            if progress.cancelled() {
-                return Err(Cancelled);
-            }
-            self.draw(index, &mut desk);
-            progress.step();
-            Ok(desk)
-        };
-        // Integers: the sum is the same in whatever order threads come by.
-        let add = |mut a: Vec<u16>, b: Vec<u16>| {
-            if a.is_empty() {
-                return Ok(b);
-            }
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-            Ok(a)
-        };
-        (0..self.samples.len())
-            .into_par_iter()
-            .with_min_len(4)
-            .try_fold(desk, draw)
-            .map(|desk| desk.map(|desk| desk.sums))
-            .try_reduce(Vec::new, add)
+    fn light(&self) -> Light {
+        let shifts = shifts(&self.samples);
+        let pairs = self.samples.iter().zip(shifts);
+        Light {
+            samples: pairs
+                .map(|(sample, shift)| self.ground.projection(sample, shift))
+                .collect(),
+            shares: shares(&self.samples),
+            stray: self.ground.stray(&self.samples[0], self.step),
+        }
     }
 
-    /// Adds one sample's hard shadow.
-    fn draw(&self, index: usize, desk: &mut Desk) {
-        let Desk {
-            shadows,
-            mask,
-            sums,
-        } = desk;
-        let (sample, shift) = (&self.samples[index], self.shifts[index]);
-        self.ground
-            .project(&self.casters.points, sample, shift, shadows);
-        mask.clear();
-        for corners in &self.casters.bark {
-            mask.solid(corners.map(|i| shadows[i as usize]));
-        }
-        #[expect(clippy::cast_possible_truncation, reason = "at most 64 * 256 samples")]
-        let mut phase = (index as u32).wrapping_mul(GOLDEN);
-        let stray = self.ground.stray(&self.samples[0], self.step);
-        for leaf in &self.casters.leaves {
-            // Over the samples a triangle's thresholds fill the range evenly, and so do
-            // neighbouring triangles' in one sample.
-            phase = phase.wrapping_add(SPREAD);
-            let stray = stray.of(leaf.key, index);
-            let corners = leaf.corners.map(|i| {
-                let ([x, z], [_, height, _]) =
-                    (shadows[i as usize], self.casters.points[i as usize]);
-                [x - height * stray.x, z - height * stray.y]
-            });
-            let level = floor_log2(leaf.uv_area / area(corners)) >> 1;
-            let level = level.clamp(0, leaf.last_level);
-            let cut = Cut {
-                level: self.coverage.level(usize::try_from(level).unwrap_or(0)),
-                uv: leaf.uv,
-                threshold: phase.to_be_bytes()[0].max(1),
-            };
-            mask.cut_out(corners, &cut);
-        }
-        mask.add_to(sums, self.shares[index]);
-    }
-
-    fn map(&self, light: Vec3, sums: &[u16]) -> ShadowMap {
+    fn map(&self, sums: &[u16]) -> ShadowMap {
         let soft;
         let sums = if self.samples.len() > 1 && self.size >= FILTERED_FROM {
             soft = smoothed(sums, self.size as usize);
@@ -175,17 +130,13 @@ impl<'a> Job<'a> {
             *texel = byte;
         }
         ShadowMap {
-            direction: light,
+            direction: self.to_light,
             image,
             ground_rect_m: self.ground.rect_m(),
             trunk_base,
         }
     }
 }
-
-/// Step between the thresholds of neighbouring triangles: the plastic number's share of 2^32, so
-/// that it keeps no pace with [`GOLDEN`].
-const SPREAD: u32 = 0xc13f_a9a9;
 
 /// Maps of this many texels along an edge are filtered; on smaller ones two texels are too much.
 pub(super) const FILTERED_FROM: u32 = 128;
@@ -218,12 +169,6 @@ fn filtered(sums: &[u16], size: usize, step: usize) -> Vec<u16> {
         u16::try_from((sum + 8) / 16).unwrap_or(u16::MAX)
     };
     (0..sums.len()).map(mean).collect()
-}
-
-/// Twice the area of a triangle.
-#[inline]
-fn area([a, b, c]: [[f32; 2]; 3]) -> f32 {
-    ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs()
 }
 
 /// The samples' weights as integers that sum to [`FULL`].

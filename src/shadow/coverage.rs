@@ -3,17 +3,22 @@
 use crate::image::Image;
 
 /// Mips of coverage, 0 (nothing) ..= 255 (all), the full size first.
-pub(super) struct Coverage {
+#[derive(Clone, Debug)]
+pub struct Coverage {
     levels: Vec<Level>,
 }
 
 /// One mip.
-pub(super) struct Level {
-    width: u32,
-    height: u32,
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Texels across.
+    pub width: u32,
+    /// Texels down.
+    pub height: u32,
     /// Texels of this mip along x and y for one of the full size.
-    pub(super) scale: [f32; 2],
-    texels: Vec<u8>,
+    pub scale: [f32; 2],
+    /// Part of each texel that is covered, 0..=255, row by row.
+    pub texels: Vec<u8>,
 }
 
 impl Coverage {
@@ -43,6 +48,12 @@ impl Coverage {
     /// Texels of the full size along x and y.
     pub(super) fn size(&self) -> [f32; 2] {
         [float(self.levels[0].width), float(self.levels[0].height)]
+    }
+
+    /// All mips, the full size first.
+    #[must_use]
+    pub fn levels(&self) -> &[Level] {
+        &self.levels
     }
 
     /// Number of mips, at least one.

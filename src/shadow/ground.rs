@@ -20,27 +20,30 @@ const LEAST_ASPECT: f32 = 0.25;
 const EMPTY_SIDE_M: f32 = 1.0;
 
 /// The parts of a mesh that can cast a shadow on the ground.
-pub(super) struct Casters {
+#[derive(Clone, Debug)]
+pub struct Casters {
     /// Vertices at or above the ground, metres; bark first, then foliage.
-    pub(super) points: Vec<[f32; 3]>,
+    pub points: Vec<[f32; 3]>,
     /// Solid triangles, as places in `points`.
-    pub(super) bark: Vec<[u32; 3]>,
+    pub bark: Vec<[u32; 3]>,
     /// Alpha-tested triangles.
-    pub(super) leaves: Vec<Leaf>,
+    pub leaves: Vec<Leaf>,
 }
 
-/// An alpha-tested triangle.
-pub(super) struct Leaf {
+/// An alpha-tested triangle: twelve words without padding.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Leaf {
     /// Places in [`Casters::points`].
-    pub(super) corners: [u32; 3],
+    pub corners: [u32; 3],
     /// Corners in texels of the full-size coverage.
-    pub(super) uv: [[f32; 2]; 3],
+    pub uv: [[f32; 2]; 3],
     /// Twice the triangle's area in the texture, square texels.
-    pub(super) uv_area: f32,
+    pub uv_area: f32,
     /// Smallest mip on which the triangle is still told from its neighbours in the atlas.
-    pub(super) last_level: i32,
+    pub last_level: i32,
     /// Random number of the connected piece of foliage that it belongs to.
-    pub(super) key: u32,
+    pub key: u32,
 }
 
 impl Casters {
@@ -132,10 +135,14 @@ fn mix(x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// How far from the samples' lights each piece of foliage may stray.
-pub(super) struct Stray {
-    along: Vec2,
-    across: Vec2,
+/// How far from the samples' lights each piece of foliage may stray: changes of the shadow's place for half of
+/// the freedom to either side, texels for a metre of height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stray {
+    /// Along the first of two directions.
+    pub along: Vec2,
+    /// Along the second.
+    pub across: Vec2,
 }
 
 impl Stray {
@@ -155,6 +162,33 @@ impl Stray {
         } else {
             -stray
         }
+    }
+}
+
+/// The parallel projection of one sample's light onto the texels of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection {
+    /// Where the world's origin falls, texels.
+    pub origin: Vec2,
+    /// Texels for a metre along X and Z.
+    pub a_metre: Vec2,
+    /// Texels that a shadow's place moves back for a metre of height.
+    pub lean: Vec2,
+}
+
+impl Projection {
+    /// Where a point's shadow falls, texels.
+    #[inline]
+    pub(super) fn shadow(&self, [x, y, z]: [f32; 3]) -> [f32; 2] {
+        let Self {
+            origin,
+            a_metre,
+            lean,
+        } = self;
+        [
+            origin.x + x * a_metre.x - y * lean.x,
+            origin.y + z * a_metre.y - y * lean.y,
+        ]
     }
 }
 
@@ -224,25 +258,14 @@ impl Ground {
         Stray { along, across }
     }
 
-    /// Where each point's shadow falls, texels, in the light of `sample` on a grid shifted by
-    /// `shift` texels.
-    pub(super) fn project(
-        &self,
-        points: &[[f32; 3]],
-        sample: &Sample,
-        shift: Vec2,
-        shadows: &mut Vec<[f32; 2]>,
-    ) {
+    /// Where shadows fall in the light of `sample`, on a grid shifted by `shift` texels.
+    pub(super) fn projection(&self, sample: &Sample, shift: Vec2) -> Projection {
         let a_metre = 1.0 / self.texel_m;
-        let lean = lean(sample) * a_metre;
-        let origin = shift - self.low_m * a_metre;
-        shadows.clear();
-        shadows.extend(points.iter().map(|&[x, y, z]| {
-            [
-                origin.x + x * a_metre.x - y * lean.x,
-                origin.y + z * a_metre.y - y * lean.y,
-            ]
-        }));
+        Projection {
+            origin: shift - self.low_m * a_metre,
+            a_metre,
+            lean: lean(sample) * a_metre,
+        }
     }
 }
 

@@ -24,15 +24,21 @@
 //!
 //! Cost: `9 * (1 + bands * samples)` hard rasters of the mesh, and one byte a texel.
 
+mod backend;
 mod bake;
 mod coverage;
+mod cpu;
 mod directions;
 mod ground;
 mod raster;
 mod weights;
 
-pub use bake::bake;
+pub use backend::{Backend, BakeError, Light, Work};
+pub use bake::{bake, bake_with};
+pub use coverage::{Coverage, Level};
+pub use cpu::Cpu;
 pub use directions::{COUNT, Sample, direction, samples};
+pub use ground::{Casters, Leaf, Projection, Stray};
 pub use weights::weights;
 
 use crate::image::{Image, scan::Clip};

@@ -5,7 +5,6 @@ use super::{Calls, Forest, Lists, Twin};
 use crate::gpu::shader;
 use crate::math::{Bounds, Vec3};
 use crate::render::binding;
-use crate::render::model::Part;
 use crate::render::pipelines::ForestPipelines;
 use crate::render::renderer::{Renderer, SHADOW_MAP, light_projection};
 use crate::render::scene::{Scene, ViewMode};
@@ -218,29 +217,79 @@ impl Renderer {
         pipelines: [&wgpu::RenderPipeline; 2],
         edges: bool,
     ) {
+        if forest.settings.calls == Calls::EachTree {
+            self.draw_each(pass, forest, of, pipelines, edges);
+            return;
+        }
         for (material, pipeline) in pipelines.into_iter().enumerate() {
             pass.set_pipeline(pipeline);
-            for (index, bin) in forest.plan.bins.iter().enumerate() {
-                let Some(model) = self.models.get(bin.model) else {
+            for (index, _) in forest.bins_of(of) {
+                if self
+                    .bind_bin(pass, forest, index, (material, edges))
+                    .is_none()
+                {
                     continue;
-                };
-                let Some(lod) = model.lods.get(bin.lod) else {
-                    continue;
-                };
-                let (part, surface) = if material == 0 {
-                    (&lod.bark, &model.bark)
-                } else {
-                    (&lod.foliage, &model.foliage)
-                };
-                let Some(part) = part.as_ref().filter(|_| bin.of == of) else {
-                    continue;
-                };
-                pass.set_bind_group(1, &model.group, &[]);
-                pass.set_bind_group(2, surface, &[]);
-                forest.device.bind(pass, index);
-                forest.draw_bin(pass, part, index, material, edges);
+                }
+                let call = material + if edges { 2 } else { 0 };
+                let (calls, at) = forest.device.call(index, call);
+                pass.draw_indexed_indirect(calls, at);
+                forest.called(1);
             }
         }
+    }
+
+    /// Tree by tree, as display lists did in the paper: each brings its state and draws its two materials.
+    fn draw_each(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        forest: &Forest,
+        of: Use,
+        pipelines: [&wgpu::RenderPipeline; 2],
+        edges: bool,
+    ) {
+        for (index, trees) in forest.bins_of(of) {
+            for tree in 0..trees {
+                for (material, pipeline) in pipelines.into_iter().enumerate() {
+                    pass.set_pipeline(pipeline);
+                    let bound = self.bind_bin(pass, forest, index, (material, edges));
+                    if let Some(count) = bound {
+                        pass.draw_indexed(0..count, 0, tree..tree + 1);
+                        forest.called(1);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Binds what a material of a bin is drawn from; how many indices that has, or `None` without any.
+    fn bind_bin(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        forest: &Forest,
+        index: usize,
+        (material, edges): (usize, bool),
+    ) -> Option<u32> {
+        let bin = forest.plan.bins[index];
+        let model = self.models.get(bin.model)?;
+        let lod = model.lods.get(bin.lod)?;
+        let (part, surface) = if material == 0 {
+            (&lod.bark, &model.bark)
+        } else {
+            (&lod.foliage, &model.foliage)
+        };
+        let part = part.as_ref()?;
+        pass.set_bind_group(1, &model.group, &[]);
+        pass.set_bind_group(2, surface, &[]);
+        forest.device.bind(pass, index);
+        pass.set_vertex_buffer(0, part.vertices.slice(..));
+        pass.set_vertex_buffer(1, part.sway.slice(..));
+        let (indices, count) = if edges {
+            (&part.edges, part.count * 2)
+        } else {
+            (&part.indices, part.count)
+        };
+        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        Some(count)
     }
 }
 
@@ -274,35 +323,10 @@ impl Forest {
         Some(lists.starts[bin + 1] - lists.starts[bin])
     }
 
-    fn draw_bin(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        part: &Part,
-        bin: usize,
-        material: usize,
-        edges: bool,
-    ) {
-        let (indices, count) = if edges {
-            (&part.edges, part.count * 2)
-        } else {
-            (&part.indices, part.count)
-        };
-        pass.set_vertex_buffer(0, part.vertices.slice(..));
-        pass.set_vertex_buffer(1, part.sway.slice(..));
-        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-        match self.each(bin) {
-            Some(trees) => {
-                for tree in 0..trees {
-                    pass.draw_indexed(0..count, 0, tree..tree + 1);
-                }
-                self.called(trees);
-            }
-            None => {
-                let call = material + if edges { 2 } else { 0 };
-                let (calls, at) = self.device.call(bin, call);
-                pass.draw_indexed_indirect(calls, at);
-                self.called(1);
-            }
-        }
+    /// Bins of a use, each with its trees where they are drawn one by one.
+    fn bins_of(&self, of: Use) -> impl Iterator<Item = (usize, u32)> {
+        let bins = self.plan.bins.iter().enumerate();
+        bins.filter(move |(_, bin)| bin.of == of)
+            .map(|(index, _)| (index, self.each(index).unwrap_or(0)))
     }
 }

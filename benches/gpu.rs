@@ -1,0 +1,176 @@
+//! All captures and the nine shadows of the olive, as they are baked again after an edit: by the processor, and by
+//! whatever adapter there is. What the adapter is asked for is printed first, since on a software driver the
+//! processor's cores do its work too.
+
+use divan::{Bencher, black_box};
+use pleach::capture::{self, ALPHA_CUTOFF, LeafArtwork, Plan};
+use pleach::gpu::Gpu;
+use pleach::gpu_bake::Baker;
+use pleach::image::{Image, Texel, mips};
+use pleach::impostor::cross_quad::CrossQuads;
+use pleach::lod::Selector;
+use pleach::math::byte_from_unit;
+use pleach::mesh::{Flattener, Mesh};
+use pleach::report::Quiet;
+use pleach::shadow;
+use pleach::species::schema::{Bark, LeafLook, Species};
+use pleach::species::{self, NoFiles};
+use pleach::texture;
+use pleach::tree::{Limits, Tree, grow};
+use std::sync::OnceLock;
+
+fn main() {
+    match baker() {
+        Some(baker) => {
+            println!("adapter: {}", baker.gpu().describe());
+            let subject = Subject::new();
+            let (baked, first) = subject.captures(baker);
+            println!("captures: {first:?}");
+            subject.shadows(baker, &baked);
+            println!("shadows: {:?}", baker.take_tally());
+        }
+        None => println!("no adapter: the processor alone"),
+    }
+    divan::main();
+}
+
+/// The adapter, if there is one, with its shaders compiled.
+fn baker() -> Option<&'static Baker> {
+    static BAKER: OnceLock<Option<Baker>> = OnceLock::new();
+    let open = || Baker::new(&Gpu::headless()?);
+    BAKER
+        .get_or_init(|| open().inspect_err(|e| eprintln!("{e}")).ok())
+        .as_ref()
+}
+
+/// Leaf cards drawn before the clock starts, and resized as asked.
+struct Drawn(Vec<(f32, Image<Texel>)>);
+
+impl LeafArtwork for Drawn {
+    fn aspect(&self, kind: usize) -> f32 {
+        self.0[kind].0
+    }
+
+    fn draw(&self, kind: usize, width: u32, height: u32) -> Image<Texel> {
+        texture::resized(&self.0[kind].1, width, height)
+    }
+
+    fn kinds(&self) -> usize {
+        self.0.len()
+    }
+}
+
+/// The olive with all that does not change from bake to bake.
+struct Subject {
+    species: Species,
+    tree: Tree,
+    plan: Plan,
+    leaves: Drawn,
+    bark: Vec<Image<Texel>>,
+}
+
+impl Subject {
+    fn new() -> Self {
+        let text = include_str!("../species/olive.ron");
+        let species = species::parse("olive.ron", text, &NoFiles).expect("a sound script");
+        let tree = grow(&species, 2, &Limits::default()).expect("within the limits");
+        let card = |kind: &species::schema::LeafKind| {
+            let LeafLook::Drawn(art) = &kind.look else {
+                panic!("the olive's leaves are drawn");
+            };
+            let aspect = kind.width_m / kind.length_m;
+            (aspect, texture::leaf(kind, art, 2, 256, 256))
+        };
+        let Bark::Drawn(art) = &species.bark else {
+            panic!("the olive's bark is drawn");
+        };
+        Self {
+            plan: Plan::of(&tree),
+            leaves: Drawn(species.leaves.iter().map(card).collect()),
+            bark: mips::chain(texture::bark(art, 2, 512), 10, ALPHA_CUTOFF),
+            tree,
+            species,
+        }
+    }
+
+    fn captures(
+        &self,
+        backend: &dyn capture::Backend,
+    ) -> (capture::Baked, pleach::gpu_bake::Tally) {
+        let settings = capture::Settings::default();
+        let bark = (&self.bark[..], self.species.bark.height_m());
+        let (tree, plan) = (&self.tree, &self.plan);
+        let baked = capture::bake_with(backend, tree, plan, &self.leaves, bark, &settings, &Quiet);
+        let tally = baker().map(Baker::take_tally).unwrap_or_default();
+        (baked.expect("fits, and nobody cancels"), tally)
+    }
+
+    /// What casts the shadows of a pack.
+    fn caster(&self, quads: &CrossQuads) -> Mesh {
+        let chain = Selector::new(&self.tree, &self.species.lod).chain(&[60_000], false);
+        let form = quads.form(
+            &self.tree,
+            &chain.lods[0].state,
+            self.species.bark.height_m(),
+        );
+        Flattener::new(&self.tree, &form).tree().expect("small")
+    }
+
+    fn shadows(&self, backend: &dyn shadow::Backend, baked: &capture::Baked) -> shadow::Shadows {
+        let alpha = baked.atlas.map(|t| byte_from_unit(t.alpha));
+        let alpha = (&alpha, byte_from_unit(ALPHA_CUTOFF));
+        let caster = self.caster(&baked.quads);
+        let settings = shadow::Settings::default();
+        shadow::bake_with(backend, &caster, alpha, &settings, &Quiet).expect("nobody cancels")
+    }
+}
+
+#[divan::bench(sample_count = 10)]
+fn captures_by_the_processor(bencher: Bencher) {
+    let subject = Subject::new();
+    bencher.bench(|| black_box(&subject).captures(&capture::Cpu));
+}
+
+#[divan::bench(sample_count = 10)]
+fn captures_by_the_adapter(bencher: Bencher) {
+    let subject = Subject::new();
+    if let Some(baker) = baker() {
+        bencher.bench(|| black_box(&subject).captures(baker));
+    }
+}
+
+#[divan::bench(sample_count = 10)]
+fn shadows_by_the_processor(bencher: Bencher) {
+    let subject = Subject::new();
+    let (baked, _) = subject.captures(&capture::Cpu);
+    bencher.bench(|| subject.shadows(&shadow::Cpu, black_box(&baked)));
+}
+
+#[divan::bench(sample_count = 10)]
+fn shadows_by_the_adapter(bencher: Bencher) {
+    let subject = Subject::new();
+    let (baked, _) = subject.captures(&capture::Cpu);
+    if let Some(baker) = baker() {
+        bencher.bench(|| subject.shadows(baker, black_box(&baked)));
+    }
+}
+
+#[divan::bench(sample_count = 10)]
+fn all_by_the_processor(bencher: Bencher) {
+    let subject = Subject::new();
+    bencher.bench(|| {
+        let (baked, _) = black_box(&subject).captures(&capture::Cpu);
+        subject.shadows(&shadow::Cpu, &baked)
+    });
+}
+
+#[divan::bench(sample_count = 10)]
+fn all_by_the_adapter(bencher: Bencher) {
+    let subject = Subject::new();
+    if let Some(baker) = baker() {
+        bencher.bench(|| {
+            let (baked, _) = black_box(&subject).captures(baker);
+            subject.shadows(baker, &baked)
+        });
+    }
+}

@@ -1,0 +1,47 @@
+// What both halves of capturing read: all shots lie side by side on one sheet of samples.
+
+// One orthographic picture.
+struct Shot {
+    // Unit vectors to the right of the picture, up it, and toward the viewer.
+    right: vec4<f32>,
+    up: vec4<f32>,
+    toward: vec4<f32>,
+    // The point in its middle, metres.
+    centre: vec4<f32>,
+    // Half of its width and height, metres.
+    half: vec2<f32>,
+    // The smallest depth, metres toward the viewer, and one over the range of depths.
+    depth: vec2<f32>,
+    // Samples across and down, and where they lie on the sheet.
+    samples: vec2<u32>,
+    place: vec2<u32>,
+    // Texels across and down, and the first one's place in the output.
+    texels: vec2<u32>,
+    first: u32,
+    // The grid that darkens it: its first cell, corner, edge of a cell in metres, cells along x, y, z.
+    cells: u32,
+    corner: vec3<f32>,
+    cell: f32,
+    size: vec3<u32>,
+    unused: u32,
+}
+
+struct Sheet {
+    // Samples across and down.
+    size: vec2<f32>,
+    // Samples along the edge of a texel.
+    supersample: u32,
+    // Number of captures that the atlas holds.
+    reliefs: u32,
+    // Width and height of the finest mip, and number of mips.
+    bark: vec4<u32>,
+    foliage: vec4<u32>,
+}
+
+@group(0) @binding(0) var<uniform> sheet: Sheet;
+@group(0) @binding(1) var<uniform> shot: Shot;
+
+// The depth offset that 1 stands for in what a sample sees, metres: more than any capture in the picture has.
+fn reach() -> f32 {
+    return 8.0 * max(shot.half.x, shot.half.y);
+}

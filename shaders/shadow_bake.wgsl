@@ -1,0 +1,293 @@
+// Soft ground shadows: hard shadows as bits, one thread a triangle and light, then summed.
+// `src/shadow/raster.rs` and `cpu.rs` are the processor's twins, rule by rule; only rounding may differ.
+
+struct Job {
+    // Texels along the edge of a map, and words of 32 of them along a row.
+    size: u32,
+    row: u32,
+    // Solid triangles and alpha-tested ones.
+    bark: u32,
+    leaves: u32,
+    // Samples of this batch; the first one among all.
+    samples: u32,
+    first: u32,
+    // Samples of a light.
+    a_light: u32,
+    // Number of mips of the coverage.
+    mips: u32,
+}
+
+// The parallel projection of one sample's light.
+struct Projection {
+    // Where the world's origin falls, texels; texels for a metre along X and Z.
+    origin: vec2<f32>,
+    a_metre: vec2<f32>,
+    // Texels that a shadow's place moves back for a metre of height.
+    lean: vec2<f32>,
+    // Stray of foliage along two directions, texels for a metre of height.
+    along: vec2<f32>,
+    across: vec2<f32>,
+    // Its part of the sum; its number among its light's samples.
+    share: u32,
+    number: u32,
+}
+
+struct Leaf {
+    corners: array<u32, 3>,
+    uv: array<array<f32, 2>, 3>,
+    uv_area: f32,
+    last_level: i32,
+    key: u32,
+}
+
+// One mip of the coverage.
+struct Level {
+    width: u32,
+    height: u32,
+    // Its texels for one of the full size.
+    scale: vec2<f32>,
+    // Its first texel, four to a word.
+    first: u32,
+    unused: u32,
+}
+
+@group(0) @binding(0) var<uniform> job: Job;
+@group(0) @binding(1) var<storage, read> projections: array<Projection>;
+@group(0) @binding(2) var<storage, read> points: array<f32>;
+@group(0) @binding(3) var<storage, read> bark: array<u32>;
+@group(0) @binding(4) var<storage, read> leaves: array<Leaf>;
+@group(0) @binding(5) var<storage, read> levels: array<Level>;
+@group(0) @binding(6) var<storage, read> coverage: array<u32>;
+// One bit a texel of each of the batch's samples.
+@group(0) @binding(7) var<storage, read_write> masks: array<atomic<u32>>;
+
+const GOLDEN: u32 = 0x9e3779b9u;
+const SPREAD: u32 = 0xc13fa9a9u;
+const STEP: u32 = 0xc13f91e1u;
+
+fn whole(x: f32) -> u32 {
+    return u32(max(x, 0.0));
+}
+
+// The first texel whose centre lies beyond x.
+fn first_centre(x: f32) -> u32 {
+    return whole(x + 0.5);
+}
+
+fn point(index: u32) -> vec3<f32> {
+    return vec3<f32>(points[index * 3u], points[index * 3u + 1u], points[index * 3u + 2u]);
+}
+
+fn shadow(sample: Projection, at: vec3<f32>) -> vec2<f32> {
+    return sample.origin + at.xz * sample.a_metre - at.y * sample.lean;
+}
+
+// How far a piece of foliage strays in a sample; samples come in pairs of opposite ones.
+fn stray(sample: Projection, key: u32) -> vec2<f32> {
+    let bits = key + (sample.number + 1u) / 2u * STEP;
+    let along = (f32(bits & 0xffffu) + 0.5) / 65536.0 - 0.5;
+    let across = (f32(bits >> 16u) + 0.5) / 65536.0 - 0.5;
+    let stray = sample.along * along + sample.across * across;
+    return select(-stray, stray, (sample.number & 1u) == 0u);
+}
+
+fn floor_log2(x: f32) -> i32 {
+    return i32((bitcast<u32>(x) >> 23u) & 0xffu) - 127;
+}
+
+struct Edge {
+    start: vec2<f32>,
+    slope: f32,
+}
+
+fn edge(start: vec2<f32>, end: vec2<f32>) -> Edge {
+    return Edge(start, (end.x - start.x) / (end.y - start.y));
+}
+
+fn at_row(edge: Edge, y: f32) -> f32 {
+    return edge.start.x + (y - edge.start.y) * edge.slope;
+}
+
+// How the texture lies under a triangle.
+struct Cut {
+    // Place in texels of the mip at the first corner, change to the right, and down.
+    origin: vec2<f32>,
+    right: vec2<f32>,
+    down: vec2<f32>,
+    // The mip: its texels across, its last column and row, its first texel.
+    width: u32,
+    last: vec2<u32>,
+    first: u32,
+    threshold: u32,
+    solid: bool,
+}
+
+fn covered(cut: Cut, at: vec2<f32>) -> bool {
+    let place = min(vec2<u32>(max(at, vec2<f32>(0.0))), cut.last);
+    let texel = cut.first + place.y * cut.width + place.x;
+    return ((coverage[texel / 4u] >> (texel % 4u * 8u)) & 0xffu) >= cut.threshold;
+}
+
+// Marks the covered texels of one row's span.
+fn span(cut: Cut, corner: vec2<f32>, row: u32, y: u32, x0: u32, x1: u32) {
+    var place = cut.origin + (f32(x0) + 0.5 - corner.x) * cut.right + (f32(y) + 0.5 - corner.y) * cut.down;
+    var x = x0;
+    while x < x1 {
+        let word = x / 32u;
+        let until = min(x1, (word + 1u) * 32u);
+        var bits = 0u;
+        if cut.solid {
+            bits = (0xffffffffu << (x % 32u)) & (0xffffffffu >> (31u - (until - 1u) % 32u));
+            x = until;
+        } else {
+            while x < until {
+                bits |= u32(covered(cut, place)) << (x % 32u);
+                place += cut.right;
+                x++;
+            }
+        }
+        if bits != 0u {
+            atomicOr(&masks[row + word], bits);
+        }
+    }
+}
+
+// Draws a triangle: rows between the edges, each edge from its upper end.
+fn draw(cut: Cut, a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, mask: u32) {
+    var top = a;
+    var middle = b;
+    var bottom = c;
+    if middle.y < top.y {
+        let swap = top;
+        top = middle;
+        middle = swap;
+    }
+    if bottom.y < middle.y {
+        let swap = middle;
+        middle = bottom;
+        bottom = swap;
+        if middle.y < top.y {
+            let swap = top;
+            top = middle;
+            middle = swap;
+        }
+    }
+    let first = first_centre(top.y);
+    let turn = min(first_centre(middle.y), job.size);
+    let end = min(first_centre(bottom.y), job.size);
+    let long = edge(top, bottom);
+    let upper = edge(top, middle);
+    let lower = edge(middle, bottom);
+    for (var y = first; y < end; y++) {
+        let centre = f32(y) + 0.5;
+        let p = at_row(long, centre);
+        var q = 0.0;
+        if y < turn {
+            q = at_row(upper, centre);
+        } else {
+            q = at_row(lower, centre);
+        }
+        let x0 = first_centre(min(p, q));
+        let x1 = min(first_centre(max(p, q)), job.size);
+        if x0 < x1 {
+            span(cut, a, mask + y * job.row, y, x0, x1);
+        }
+    }
+}
+
+// The samples of the batch that belong to a light.
+fn samples_of(light: u32) -> vec2<u32> {
+    return vec2<u32>(
+        max(light * job.a_light, job.first),
+        min((light + 1u) * job.a_light, job.first + job.samples),
+    );
+}
+
+fn draw_bark(triangle: u32, light: u32) {
+    let a = point(bark[triangle * 3u]);
+    let b = point(bark[triangle * 3u + 1u]);
+    let c = point(bark[triangle * 3u + 2u]);
+    var cut: Cut;
+    cut.solid = true;
+    let range = samples_of(light);
+    for (var i = range.x; i < range.y; i++) {
+        let sample = projections[i];
+        let mask = (i - job.first) * job.row * job.size;
+        draw(cut, shadow(sample, a), shadow(sample, b), shadow(sample, c), mask);
+    }
+}
+
+fn draw_leaf(number: u32, light: u32) {
+    let leaf = leaves[number];
+    let at_a = point(leaf.corners[0]);
+    let at_b = point(leaf.corners[1]);
+    let at_c = point(leaf.corners[2]);
+    let range = samples_of(light);
+    for (var i = range.x; i < range.y; i++) {
+        let sample = projections[i];
+        let away = stray(sample, leaf.key);
+        let a = shadow(sample, at_a) - at_a.y * away;
+        let b = shadow(sample, at_b) - at_b.y * away;
+        let c = shadow(sample, at_c) - at_c.y * away;
+        let to_b = b - a;
+        let to_c = c - a;
+        let area = to_b.x * to_c.y - to_c.x * to_b.y;
+        let index = clamp(floor_log2(leaf.uv_area / abs(area)) >> 1u, 0, leaf.last_level);
+        let level = levels[min(u32(index), job.mips - 1u)];
+        var cut: Cut;
+        cut.solid = false;
+        cut.width = level.width;
+        cut.last = vec2<u32>(level.width, level.height) - 1u;
+        cut.first = level.first;
+        cut.threshold = max((sample.number * GOLDEN + (number + 1u) * SPREAD) >> 24u, 1u);
+        let uv_a = vec2<f32>(leaf.uv[0][0], leaf.uv[0][1]) * level.scale;
+        let uv_b = vec2<f32>(leaf.uv[1][0], leaf.uv[1][1]) * level.scale - uv_a;
+        let uv_c = vec2<f32>(leaf.uv[2][0], leaf.uv[2][1]) * level.scale - uv_a;
+        cut.origin = uv_a;
+        cut.right = (uv_b * to_c.y - uv_c * to_b.y) / area;
+        cut.down = (uv_c * to_b.x - uv_b * to_c.x) / area;
+        draw(cut, a, b, c, (i - job.first) * job.row * job.size);
+    }
+}
+
+@compute @workgroup_size(64)
+fn cs_hard(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < job.bark {
+        draw_bark(id.x, id.y);
+    } else if id.x < job.bark + job.leaves {
+        draw_leaf(id.x - job.bark, id.y);
+    }
+}
+
+// Two texels a word, light after light.
+@group(0) @binding(8) var<storage, read_write> sums: array<u32>;
+
+// 1 if a sample's shadow lies on a texel.
+fn dark(sample: u32, texel: u32) -> u32 {
+    let x = texel % job.size;
+    let word = (sample * job.size + texel / job.size) * job.row + x / 32u;
+    return (atomicLoad(&masks[word]) >> (x % 32u)) & 1u;
+}
+
+@compute @workgroup_size(64)
+fn cs_sum(@builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+) {
+    let texels = job.size * job.size;
+    let pairs = (texels + 1u) / 2u;
+    let pair = (group.y * groups.x + group.x) * 64u + local.x;
+    if pair >= pairs {
+        return;
+    }
+    let range = samples_of(group.z);
+    let second = min(pair * 2u + 1u, texels - 1u);
+    var sum = 0u;
+    for (var sample = range.x; sample < range.y; sample++) {
+        let both = dark(sample - job.first, pair * 2u) | (dark(sample - job.first, second) << 16u);
+        sum += both * projections[sample].share;
+    }
+    if sum != 0u {
+        sums[group.z * pairs + pair] += sum;
+    }
+}
