@@ -171,10 +171,25 @@ fn sentence(error: &eframe::Error) -> WindowError {
     let text = error.to_string();
     match error {
         eframe::Error::WinitEventLoop(_) if text.contains(".so") => WindowError::NoLibrary(text),
-        eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => WindowError::NoDisplay(text),
+        eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => {
+            WindowError::NoDisplay(without_place(&text))
+        }
         eframe::Error::Wgpu(WgpuError::RequestAdapterError(_)) => WindowError::NoAdapter(text),
+        eframe::Error::Wgpu(WgpuError::CreateSurfaceError(_)) => {
+            WindowError::NoAdapter("none that draws into windows was found".to_owned())
+        }
         _ => WindowError::Other(text),
     }
+}
+
+/// What is said after the place in the source of whoever says it.
+fn without_place(text: &str) -> String {
+    let after = text.rsplit_once(".rs:").map_or(text, |(_, after)| after);
+    let said = match after.split_once(": ") {
+        Some((line, said)) if line.chars().all(|c| c.is_ascii_digit()) => said,
+        _ => after,
+    };
+    said.trim_end_matches('.').to_owned()
 }
 
 /// A library that is missing shows as a panic of the one that would load it.
@@ -201,6 +216,13 @@ mod tests {
             sentence.contains("libxkbcommon-x11.so") && sentence.contains("apt install"),
             "{sentence}"
         );
+    }
+
+    #[test]
+    fn the_place_in_the_source_of_a_library_is_left_out() {
+        let text = "winit EventLoopError: os error at a/b/src/linux/mod.rs:765: neither is set.";
+        assert_eq!(without_place(text), "neither is set");
+        assert_eq!(without_place("no screen: none."), "no screen: none");
     }
 
     #[test]
