@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Libraries that a window on X11 is opened with.
-const X11: &str = "on Debian and Ubuntu `apt install libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 \
+const X11: &str = "On Debian and Ubuntu `apt install libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 \
                    libxkbcommon-x11-0` brings them";
 
 /// A device that is lost again within this time is not worth another window.
@@ -26,7 +26,7 @@ pub enum WindowError {
     )]
     NoDisplay(String),
     /// A library is missing.
-    #[error("a library that opens windows is missing: {0}; {X11}")]
+    #[error("a library that opens windows is missing: {0}. {X11}")]
     NoLibrary(String),
     /// No graphics adapter.
     #[error(
@@ -170,7 +170,9 @@ fn quietly<T>(run: impl FnOnce() -> T) -> (Option<T>, String) {
 fn sentence(error: &eframe::Error) -> WindowError {
     let text = error.to_string();
     match error {
-        eframe::Error::WinitEventLoop(_) if text.contains(".so") => WindowError::NoLibrary(text),
+        eframe::Error::WinitEventLoop(_) if text.contains(".so") || text.contains("shared lib") => {
+            WindowError::NoLibrary(without_place(&text))
+        }
         eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => {
             WindowError::NoDisplay(without_place(&text))
         }
@@ -196,7 +198,7 @@ fn without_place(text: &str) -> String {
 fn panic_sentence(text: &str) -> WindowError {
     let line = text.lines().last().unwrap_or(text).to_owned();
     if text.contains("could not be loaded") || text.contains("Could not load") {
-        WindowError::NoLibrary(line)
+        WindowError::NoLibrary(line.trim_end_matches('.').to_owned())
     } else {
         WindowError::Other(line)
     }
