@@ -558,7 +558,7 @@ fn screenshot() -> Outcome {
         "it is see-through",
     )?;
     let rect = window.get_by_role(Role::Canvas).rect();
-    let [x, y] = [rect.left(), rect.top()].map(|edge| edge.round() as u32);
+    let [x, y] = [rect.left(), rect.top()].map(pleach::math::round_to_u32);
     // Without what is written over the view at its upper and lower edge.
     let part = [0, 60, size[0], size[1] - 120];
     let [u, v, width, height] = part;

@@ -523,7 +523,7 @@ impl Gauge<'_> {
                 .forms
                 .push((Look::Planes(set), closed(triangles, error)));
         }
-        for strip in self.strips(seat, forced, &context, &items)? {
+        for strip in self.strips(seat, forced, context, &items)? {
             found.shifts.push(strip.shift);
             let offer = closed(strip.triangles, strip.error);
             found.forms.push((Look::Planes(strip.set), offer));

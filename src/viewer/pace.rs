@@ -31,6 +31,9 @@ const PLENTY: f32 = 0.4;
 /// Seconds without motion after which the picture is drawn in full.
 pub const REST: f64 = 0.25;
 
+/// Seconds for which a person waits at rest, once.
+const BORNE: f32 = 2.5;
+
 /// Frames whose times are kept.
 pub const KEPT: usize = 120;
 
@@ -54,6 +57,13 @@ impl Quality {
 /// Step of a factor, and how much coarser LODs are.
 type Key = (usize, usize);
 
+fn quality_of((coarser, step): Key) -> Quality {
+    Quality {
+        factor: FACTORS[step],
+        coarser,
+    }
+}
+
 /// Learns how long pictures take.
 #[derive(Clone, Debug, Default)]
 pub struct Pace {
@@ -63,9 +73,18 @@ pub struct Pace {
 
 impl Pace {
     /// How fine the next picture may be. `most` is how much coarser LODs may get.
-    pub fn quality(&mut self, moving: bool, most: usize) -> Quality {
+    ///
+    /// A picture at rest that is finer than that already stays.
+    pub fn quality(&mut self, moving: bool, most: usize, drawn: Quality) -> Quality {
+        if self.known.is_empty() {
+            // A first look, by which the rest is judged: a forest may take a quarter of a minute in full.
+            self.now = (most, FACTORS.len() - 1);
+            return quality_of(self.now);
+        }
         if !moving {
-            return Quality::FULL;
+            let resting = self.at_rest();
+            let finer = drawn.coarser == 0 && drawn.factor > resting.factor;
+            return if finer { drawn } else { resting };
         }
         self.now.0 = self.now.0.min(most);
         let (coarser, step) = self.now;
@@ -80,10 +99,14 @@ impl Pace {
         if self.predicted(self.now) > GOAL * ENDURED || self.now.1 > 0 || self.now.0 > 0 {
             self.now = self.best(most);
         }
-        Quality {
-            factor: FACTORS[self.now.1],
-            coarser: self.now.0,
-        }
+        quality_of(self.now)
+    }
+
+    /// The finest, without LODs coarser than they would be, for which a person waits.
+    fn at_rest(&self) -> Quality {
+        let steps = 0..FACTORS.len();
+        let borne = |step: &usize| self.predicted((0, *step)) <= BORNE;
+        quality_of((0, steps.clone().find(borne).unwrap_or(steps.end - 1)))
     }
 
     /// The finest that is quick enough.
@@ -116,12 +139,24 @@ impl Pace {
         let alike = self.known.range((coarser, 0)..(coarser + 1, 0));
         let nearest = alike.min_by_key(|((_, s), _)| s.abs_diff(step));
         let Some((&(_, other), &seconds)) = nearest else {
-            return match coarser {
-                0 => 0.0,
-                _ => self.predicted((coarser - 1, step)) * NEXT_LOD,
-            };
+            return self.predicted_by_others((coarser, step));
         };
         seconds * (1.0 - PIXELS + PIXELS * area(step) / area(other))
+    }
+
+    /// The same where nothing is known of any picture with these LODs.
+    fn predicted_by_others(&self, (coarser, step): Key) -> f32 {
+        let below = self.known.keys().rev().find(|(c, _)| *c < coarser);
+        let above = self.known.keys().find(|(c, _)| *c > coarser);
+        match (below, above) {
+            (Some(&(other, _)), _) => {
+                (other..coarser).fold(self.predicted((other, step)), |s, _| s * NEXT_LOD)
+            }
+            (None, Some(&(other, _))) => {
+                (coarser..other).fold(self.predicted((other, step)), |s, _| s / NEXT_LOD)
+            }
+            (None, None) => 0.0,
+        }
     }
 
     /// Takes in how long a picture took.
@@ -202,12 +237,12 @@ mod tests {
         let mut quality = Quality::FULL;
         let mut changes = 0;
         for frame in 0..60 {
-            let next = pace.quality(true, most);
+            let next = pace.quality(true, most, Quality::FULL);
             changes += usize::from(frame > 20 && next != quality);
             quality = next;
             pace.observe(quality, cost(quality));
         }
-        assert_eq!(pace.quality(false, most), Quality::FULL);
+        assert_eq!(pace.quality(false, most, Quality::FULL), Quality::FULL);
         (quality, cost(quality), changes)
     }
 
@@ -239,6 +274,26 @@ mod tests {
     }
 
     #[test]
+    fn a_picture_that_nobody_would_wait_for_is_not_drawn_even_at_rest() {
+        let mut pace = Pace::default();
+        let first = pace.quality(false, 2, Quality::FULL);
+        assert_eq!(
+            (first.factor, first.coarser),
+            (FACTORS[FACTORS.len() - 1], 2)
+        );
+        pace.observe(first, 1.2);
+        // A quarter of a minute in full.
+        let resting = pace.quality(false, 2, first);
+        assert!(resting.factor < 0.5, "{resting:?}");
+        pace.forget();
+        pace.observe(first, 0.002);
+        assert_eq!(pace.quality(false, 2, first), Quality::FULL);
+        // What is there already stays, though it took long.
+        pace.observe(Quality::FULL, 9.0);
+        assert_eq!(pace.quality(false, 2, Quality::FULL), Quality::FULL);
+    }
+
+    #[test]
     fn lods_chosen_by_hand_stay_and_pixels_give_way() {
         let (quality, _, _) = settled(0.2, 0.5, 0);
         assert_eq!(quality.coarser, 0);
@@ -249,15 +304,15 @@ mod tests {
     fn what_gets_quicker_gets_finer() {
         let mut pace = Pace::default();
         for _ in 0..20 {
-            let quality = pace.quality(true, 0);
+            let quality = pace.quality(true, 0, Quality::FULL);
             pace.observe(quality, 0.4 * quality.factor * quality.factor);
         }
-        assert!(pace.quality(true, 0).factor < 0.5);
+        assert!(pace.quality(true, 0, Quality::FULL).factor < 0.5);
         for _ in 0..60 {
-            let quality = pace.quality(true, 0);
+            let quality = pace.quality(true, 0, Quality::FULL);
             pace.observe(quality, 0.04 * quality.factor * quality.factor);
         }
-        assert_eq!(pace.quality(true, 0).factor, 1.0);
+        assert_eq!(pace.quality(true, 0, Quality::FULL).factor, 1.0);
     }
 
     #[test]

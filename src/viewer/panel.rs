@@ -124,7 +124,8 @@ fn lods(ui: &mut Ui, settings: &mut Settings, view: &Viewport, subject: &Subject
         }
     });
     ui.add_space(4.0);
-    if let Some(lod) = subject.lods.get(shown.lod).filter(|_| !strip) {
+    let single = settings.arrangement == Arrangement::Single;
+    if let Some(lod) = subject.lods.get(shown.lod).filter(|_| single) {
         ui.label(match lod.budget {
             None => format!("Shown: LOD {}, full detail", shown.lod),
             Some(_) => format!(

@@ -280,10 +280,12 @@ impl Viewport {
             (Arrangement::Strip, _) | (_, Choice::Fixed(_)) => 0,
             _ => cast(subject).coarsest_in_a_hurry(),
         };
-        let wanted = if hurried && !moves {
+        let wanted = if !settings.adapt {
+            Quality::FULL
+        } else if hurried && !moves {
             self.quality
         } else {
-            self.pace.quality(hurried, most)
+            self.pace.quality(hurried, most, self.quality)
         };
         let cast = cast(subject);
         let camera = self.rig.camera();
@@ -298,6 +300,10 @@ impl Viewport {
         let woods = woods(settings, wanted.coarser, seconds);
         if let Some(seconds) = self.canvas.draw(&scene, (trees, woods), size)? {
             self.pace.observe(wanted, seconds);
+            if settings.adapt && !hurried && self.pace.quality(false, most, wanted) != wanted {
+                // Now that it is known how long it takes.
+                ui.ctx().request_repaint();
+            }
             if let Some((trees, triangles)) = self.canvas.counts() {
                 (shown.trees, shown.triangles) = (trees, triangles);
             }

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Libraries that a window on X11 is opened with.
-const X11: &str = "on Debian and Ubuntu `apt install libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 \
+const X11: &str = "On Debian and Ubuntu `apt install libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 \
                    libxkbcommon-x11-0` brings them";
 
 /// A device that is lost again within this time is not worth another window.
@@ -26,7 +26,7 @@ pub enum WindowError {
     )]
     NoDisplay(String),
     /// A library is missing.
-    #[error("a library that opens windows is missing: {0}; {X11}")]
+    #[error("a library that opens windows is missing: {0}. {X11}")]
     NoLibrary(String),
     /// No graphics adapter.
     #[error(
@@ -120,9 +120,8 @@ fn show(options: &Options, start: Start) -> Result<(), WindowError> {
                 let state = state.ok_or("the window has no graphics device")?;
                 let ctx = cc.egui_ctx.clone();
                 super::panel::style(&ctx);
-                Ok(Box::new(App::new(state, start, move || {
-                    ctx.request_repaint()
-                })?))
+                let wake = move || ctx.request_repaint();
+                Ok(Box::new(App::new(state, start, wake)?))
             }),
         )
     };
@@ -171,18 +170,35 @@ fn quietly<T>(run: impl FnOnce() -> T) -> (Option<T>, String) {
 fn sentence(error: &eframe::Error) -> WindowError {
     let text = error.to_string();
     match error {
-        eframe::Error::WinitEventLoop(_) if text.contains(".so") => WindowError::NoLibrary(text),
-        eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => WindowError::NoDisplay(text),
+        eframe::Error::WinitEventLoop(_) if text.contains(".so") || text.contains("shared lib") => {
+            WindowError::NoLibrary(without_place(&text))
+        }
+        eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => {
+            WindowError::NoDisplay(without_place(&text))
+        }
         eframe::Error::Wgpu(WgpuError::RequestAdapterError(_)) => WindowError::NoAdapter(text),
+        eframe::Error::Wgpu(WgpuError::CreateSurfaceError(_)) => {
+            WindowError::NoAdapter("none that draws into windows was found".to_owned())
+        }
         _ => WindowError::Other(text),
     }
+}
+
+/// What is said after the place in the source of whoever says it.
+fn without_place(text: &str) -> String {
+    let after = text.rsplit_once(".rs:").map_or(text, |(_, after)| after);
+    let said = match after.split_once(": ") {
+        Some((line, said)) if line.chars().all(|c| c.is_ascii_digit()) => said,
+        _ => after,
+    };
+    said.trim_end_matches('.').to_owned()
 }
 
 /// A library that is missing shows as a panic of the one that would load it.
 fn panic_sentence(text: &str) -> WindowError {
     let line = text.lines().last().unwrap_or(text).to_owned();
     if text.contains("could not be loaded") || text.contains("Could not load") {
-        WindowError::NoLibrary(line)
+        WindowError::NoLibrary(line.trim_end_matches('.').to_owned())
     } else {
         WindowError::Other(line)
     }
@@ -202,6 +218,13 @@ mod tests {
             sentence.contains("libxkbcommon-x11.so") && sentence.contains("apt install"),
             "{sentence}"
         );
+    }
+
+    #[test]
+    fn the_place_in_the_source_of_a_library_is_left_out() {
+        let text = "winit EventLoopError: os error at a/b/src/linux/mod.rs:765: neither is set.";
+        assert_eq!(without_place(text), "neither is set");
+        assert_eq!(without_place("no screen: none."), "no screen: none");
     }
 
     #[test]

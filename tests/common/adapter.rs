@@ -8,8 +8,11 @@ use std::process::ExitCode;
 /// What a test comes to.
 pub(crate) type Outcome = Result<(), Failed>;
 
+/// A test and its name.
+pub(crate) type Test = (&'static str, fn() -> Outcome);
+
 /// Runs tests that need an adapter, with the arguments of the process.
-pub(crate) fn run(tests: &[(&'static str, fn() -> Outcome)]) -> ExitCode {
+pub(crate) fn run(tests: &[Test]) -> ExitCode {
     let arguments = Arguments::from_args();
     let required = std::env::var_os("PLEACH_REQUIRE_GPU").is_some();
     let reason = match Gpu::headless() {
