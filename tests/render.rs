@@ -3,13 +3,13 @@
 
 mod common;
 
-use common::adapter::{self, Outcome};
+use common::adapter::{self, Outcome, Test};
 use common::gpu::{covered, mean_flip, palm, root};
 use libtest_mimic::Failed;
 use pleach::asset::TreeAsset;
 use pleach::gpu::{Gpu, GpuError};
 use pleach::image::{Image, png};
-use pleach::math::Vec3;
+use pleach::math::{Vec3, round_to_u32};
 use pleach::render::{Filter, Instance, LightMode, Orbit, PORTRAIT, Renderer, Scene, ViewMode};
 use pleach::wind::{self, Rig, Wind};
 use pleach::{capture, shadow};
@@ -17,7 +17,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let tests: [(&str, fn() -> Outcome); 17] = [
+    let tests: [Test; 17] = [
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
         (
             "a_scene_after_others_is_drawn_as_if_it_came_first",
@@ -80,14 +80,17 @@ fn same_picture_twice() -> Outcome {
     Err("two pictures of one scene differ".into())
 }
 
+/// A change of a scene.
+type Change<'a> = &'a mut dyn FnMut(&mut Scene);
+
 fn after_others() -> Outcome {
     let mut renderer = renderer(palm())?;
     let mut scene = scene(&renderer, 0);
     renderer.picture(&scene, SIZE)?;
-    let mut steps: [(&str, &mut dyn FnMut(&mut Scene)); 5] = [
+    let mut steps: [(&str, Change<'_>); 5] = [
         ("the camera", &mut |s| s.camera.eye.x += 1.0),
         ("the sun", &mut |s| {
-            s.setting.sun = Vec3::new(-0.5, 0.4, 0.2)
+            s.setting.sun = Vec3::new(-0.5, 0.4, 0.2);
         }),
         ("the LOD", &mut |s| s.groups[0].lod = 1),
         ("a tree", &mut |s| {
@@ -200,7 +203,7 @@ fn lods_look_alike() -> Outcome {
     let (mut last, mut judged) = (0.0, 0);
     for lod in 1..renderer.models()[0].lods.len() {
         // As large as it is at most shown in a picture 1080 high.
-        let height = (1080.0 * renderer.models()[0].lods[lod].screen_size).min(300.0) as u32;
+        let height = round_to_u32((1080.0 * renderer.models()[0].lods[lod].screen_size).min(300.0));
         if height < 24 {
             // Filters of FLIP are as wide as such a picture.
             continue;
@@ -526,7 +529,8 @@ fn hardness(picture: &Image<[u8; 4]>) -> f32 {
     for y in 0..picture.height() {
         for x in 1..picture.width() {
             let (a, b) = (picture.at(x - 1, y)[3], picture.at(x, y)[3]);
-            sum += f32::from(a.abs_diff(b)).powf(2.0);
+            let step = f32::from(a.abs_diff(b));
+            sum += step * step;
         }
     }
     sum
