@@ -529,7 +529,6 @@ fn screenshot() -> Outcome {
     let dir = tempfile::tempdir()?;
     let start = Start::new(Source::Pack(palm().to_owned()), dir.path().to_owned());
     let mut window = window_with(start, SIZE);
-    press(&mut window, Key::P);
     until(&mut window, "the palm", |app| app.subject.is_some())?;
     click(&mut window, "Screenshot");
     press(&mut window, Key::F12);

@@ -109,6 +109,8 @@ fn show(options: &Options, start: Start) -> Result<(), WindowError> {
             wgpu_setup: setup(),
             ..WgpuConfiguration::default()
         },
+        // It costs a software driver a twentieth of a second a frame.
+        dithering: false,
         ..eframe::NativeOptions::default()
     };
     let open = move || {
