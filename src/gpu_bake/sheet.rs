@@ -66,7 +66,7 @@ mod tests {
     fn shots_lie_apart_inside_the_sheet() {
         let mut sheet = Sheet::new(8192);
         let sizes: Vec<[u32; 2]> = (1..60)
-            .map(|i| [i * 37 % 900 + 1, i * 91 % 700 + 1])
+            .map(|i| [i * 37 % 700 + 1, i * 91 % 600 + 1])
             .collect();
         let places: Vec<[u32; 2]> = sizes.iter().filter_map(|&s| sheet.place(s)).collect();
         assert_eq!(places.len(), sizes.len(), "all fit");
