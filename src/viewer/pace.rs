@@ -15,10 +15,10 @@ const FACTORS: [f32; 6] = [1.0, 0.75, 0.5, 0.375, 0.3, 0.25];
 /// The step of half the pixels along an edge.
 const HALF: usize = 2;
 
-/// What a picture with the next LOD takes of the time, and the part of the time that goes to pixels, until they
-/// are known. Both as measured with the olive on software Vulkan.
+/// What a picture with the next LOD takes of the time, and the power of its edge that a picture's time goes by,
+/// until they are known. Both as measured with the olive on software Vulkan.
 const NEXT_LOD: f32 = 0.65;
-const PIXELS: f32 = 0.65;
+const EDGE_POWER: f32 = 1.25;
 
 /// A finer picture must be predicted to take less than this part of the goal, and the present one is kept up
 /// to this multiple of it, so that the picture does not change from frame to frame.
@@ -78,7 +78,7 @@ impl Pace {
     pub fn quality(&mut self, moving: bool, most: usize, drawn: Quality) -> Quality {
         if self.known.is_empty() {
             // A first look, by which the rest is judged: a forest may take a quarter of a minute in full.
-            self.now = (most, FACTORS.len() - 1);
+            self.now = (if moving { most } else { 0 }, FACTORS.len() - 1);
             return quality_of(self.now);
         }
         if !moving {
@@ -135,13 +135,12 @@ impl Pace {
         if let Some(&known) = self.known.get(&key) {
             return known;
         }
-        let area = |step: usize| FACTORS[step] * FACTORS[step];
         let alike = self.known.range((coarser, 0)..(coarser + 1, 0));
         let nearest = alike.min_by_key(|((_, s), _)| s.abs_diff(step));
         let Some((&(_, other), &seconds)) = nearest else {
             return self.predicted_by_others((coarser, step));
         };
-        seconds * (1.0 - PIXELS + PIXELS * area(step) / area(other))
+        seconds * libm::powf(FACTORS[step] / FACTORS[other], EDGE_POWER)
     }
 
     /// The same where nothing is known of any picture with these LODs.
@@ -279,7 +278,7 @@ mod tests {
         let first = pace.quality(false, 2, Quality::FULL);
         assert_eq!(
             (first.factor, first.coarser),
-            (FACTORS[FACTORS.len() - 1], 2)
+            (FACTORS[FACTORS.len() - 1], 0)
         );
         pace.observe(first, 1.2);
         // A quarter of a minute in full.
