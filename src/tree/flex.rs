@@ -6,7 +6,9 @@
 //! child stands to the tip. With w newtons of drag a square metre of wood at the base, E the modulus, L the
 //! length, r the radius and m the moment of the unit load, the tip of the branch bends by
 //!
-//!     L * (4 w / E) * (L / r)^2 * integral of m(x) (1 - x) / (r(x) / r)^4 dx
+//! ```text
+//! L * (4 w / E) * (L / r)^2 * integral of m(x) (1 - x) / (r(x) / r)^4 dx
+//! ```
 //!
 //! Not guaranteed: species differ in E and in how leaves fold; figures are right to a factor of two or so.
 
