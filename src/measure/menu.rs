@@ -105,8 +105,7 @@ const FITTED: [usize; 7] = [3, 4, 6, 8, 12, 16, 24];
 /// Numbers of clumps that are tried, as long as each has [`CLUMP_CARDS`].
 const CLUMPS: [usize; 5] = [2, 4, 8, 16, 32];
 
-/// Most clumps of a whole tree: more would leave each, and all else in the atlas, too few texels. A budget of half
-/// as many triangles again gets so many too.
+/// Most clumps of a whole tree: more would leave each, and all else in the atlas, too few texels.
 const MOST_CLUMPS: u64 = 100;
 
 /// Fewest leaf cards of a clump, in the mean.
@@ -401,9 +400,7 @@ impl Gauge<'_> {
         if level == 0 {
             // As many as a budget allows, where no sub-trees fill it.
             let of_budgets = self.budgets.iter().map(|b| b / 6);
-            let fitting = of_budgets
-                .filter(|c| (12..=MOST_CLUMPS * 3 / 2).contains(c))
-                .map(|c| c.min(MOST_CLUMPS));
+            let fitting = of_budgets.filter(|c| (12..=MOST_CLUMPS).contains(c));
             counts.extend(fitting.filter_map(|c| usize::try_from(c).ok()));
             counts.sort_unstable();
             counts.dedup();

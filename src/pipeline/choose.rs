@@ -77,8 +77,7 @@ pub(super) fn draft(
     }
     let mut before = full.1.total();
     let mut state = full.clone();
-    for (index, &budget) in budgets.iter().enumerate() {
-        let next = budgets.get(index + 1).copied().unwrap_or(0);
+    for &budget in budgets {
         let mut candidates = Vec::new();
         if drafts.is_empty() && full.1.total() <= budget {
             candidates.push(Candidate::Levels(full.0.clone(), full.1));
@@ -91,7 +90,6 @@ pub(super) fn draft(
             if let Some((cutters, forms)) = cutters.as_ref().zip(forms)
                 && let Some(cut) = best_cut(cutters, cap)
             {
-                let cut = spared(tree, forms, &cutters[0], cut, (cap, next));
                 let error = cutters[0].error(&cut);
                 // Where the cut is better by far, the level-wide state need not be drawn to see it.
                 candidates.retain(|c| match c {
@@ -142,33 +140,6 @@ fn best_cut([free, open]: &[Cutter<'_>; 2], cap: u64) -> Option<Front> {
         }
         (closed, opened) => closed.or(opened),
     }
-}
-
-/// A front that would fit the next budget as well is left to that one, as long as this budget buys one that
-/// does not and that errs up to this factor more: else the next LOD, which must have fewer triangles, would
-/// have to do without the form that suits it best.
-const LEAVE: f32 = 1.5;
-
-/// The cut, or in its place one that the next budget could not have.
-fn spared(
-    tree: &Tree,
-    forms: &Forms,
-    cutter: &Cutter<'_>,
-    cut: Front,
-    (cap, next): (u64, u64),
-) -> Front {
-    if cut.triangles > next {
-        return cut;
-    }
-    let mut menu = forms.menu.clone();
-    let root = menu.offers[0].iter_mut().flatten();
-    for offer in root.filter(|o| !o.open && o.triangles <= next) {
-        *offer = Offer::BARRED;
-    }
-    let richer = Cutter::new(tree, &menu).cut(cap);
-    let fair =
-        |front: &Front| front.triangles > next && cutter.error(front) <= cutter.error(&cut) * LEAVE;
-    richer.filter(fair).unwrap_or(cut)
 }
 
 impl Candidate {
