@@ -328,7 +328,8 @@ impl App {
                 });
         }
         if let Some(fault) = self.fault().map(str::to_owned) {
-            Panel::bottom("faults").show(ui, |ui| panel::faults(ui, &fault, subject.is_some()));
+            let faults = Panel::bottom("faults").resizable(true).default_size(170.0);
+            faults.show(ui, |ui| panel::faults(ui, &fault, subject.is_some()));
         }
         if asked.frame {
             self.frame();

@@ -300,8 +300,9 @@ impl Viewport {
         let woods = woods(settings, wanted.coarser, seconds);
         if let Some(seconds) = self.canvas.draw(&scene, (trees, woods), size)? {
             self.pace.observe(wanted, seconds);
-            if settings.adapt && !hurried && self.pace.quality(false, most, wanted) != wanted {
-                // Now that it is known how long it takes.
+            if !moves {
+                // What is told beside the picture is that of the frame before; and now that it is known how long it
+                // takes, it may be drawn finer.
                 ui.ctx().request_repaint();
             }
             if let Some((trees, triangles)) = self.canvas.counts() {
