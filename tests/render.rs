@@ -29,7 +29,10 @@ fn main() -> ExitCode {
             "far_lods_look_like_full_detail_where_they_are_shown",
             lods_look_alike,
         ),
-        ("shares_of_the_nine_shadows_are_the_librarys", shares_agree),
+        (
+            "shares_of_the_nine_shadows_agree_with_the_library",
+            shares_agree,
+        ),
         (
             "the_ground_is_dark_where_the_baked_shadow_lies",
             ground_shadow,
