@@ -1,7 +1,7 @@
 //! The device: finding an adapter, with or without a screen, and what went wrong in words.
 //!
 //! All that this program needs of an adapter is in wgpu's default limits, which software Vulkan and OpenGL
-//! drivers meet; what is beyond them ([`Gpu::features`]) is used where it is and done without where not.
+//! drivers meet; what is beyond them is used where it is and done without where not.
 
 mod picture;
 pub mod shader;
