@@ -5,7 +5,7 @@
 //! chooses. `detail` is set so that a row draws as many triangles as the paper's. Then forests of 100,000 and of
 //! 1,000,000 trees, and full meshes against the chain of LODs at a mean FLIP of at most 0.05.
 //!
-//! Options: `--frames N` (11), `--most N` (1000000; larger forests are left out), `--full N` (300; trees of the
+//! Options: `--frames N` (11), `--rows 1,3` (rows of the table, from 1; all; 0 for none), `--most N` (1000000; larger forests are left out), `--full N` (300; trees of the
 //! comparison with full meshes; 0 leaves it out), `--pictures FOLDER` (writes what was drawn).
 
 use std::error::Error;
@@ -38,6 +38,7 @@ const ROWS: [(u32, u64, &[u64], f64); 4] = [
 
 struct Options {
     frames: u32,
+    rows: Vec<usize>,
     most: u32,
     full: u32,
     pictures: Option<PathBuf>,
@@ -46,6 +47,7 @@ struct Options {
 fn options() -> Result<Options, Failure> {
     let mut options = Options {
         frames: 11,
+        rows: (1..=ROWS.len()).collect(),
         most: 1_000_000,
         full: 300,
         pictures: None,
@@ -55,6 +57,9 @@ fn options() -> Result<Options, Failure> {
         let value = args.next().ok_or_else(|| format!("{name} needs a value"))?;
         match name.as_str() {
             "--frames" => options.frames = value.parse()?,
+            "--rows" => {
+                options.rows = value.split(',').map(str::parse).collect::<Result<_, _>>()?;
+            }
             "--most" => options.most = value.parse()?,
             "--full" => options.full = value.parse()?,
             "--pictures" => options.pictures = Some(value.into()),
@@ -71,6 +76,9 @@ fn main() -> Result<(), Failure> {
     println!("{}", gpu.describe());
     println!("\n{HEAD}");
     for (row, &(trees, triangles, budgets, fps)) in ROWS.iter().enumerate() {
+        if !options.rows.contains(&(row + 1)) {
+            continue;
+        }
         let mut bench = Bench::new(&gpu, budgets, false, trees)?;
         bench.aim(triangles);
         let calls = [Calls::EachTree, Calls::Indirect];
@@ -417,6 +425,7 @@ fn against_full_meshes(gpu: &Gpu, options: &Options) -> Result<(), Failure> {
     let triangles = bench.triangles();
     let fewer = Options {
         frames: options.frames.min(3),
+        rows: Vec::new(),
         pictures: None,
         ..*options
     };

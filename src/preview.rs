@@ -4,7 +4,7 @@
 //! baked shadows. Meant to show the shapes and textures honestly, not to be a renderer.
 
 use crate::asset::{Drawable, Surface};
-use crate::capture::{ALPHA_CUTOFF, Occlusion, Seen, Textures, View, Visibility};
+use crate::capture::{ALPHA_CUTOFF, Foliage, Occlusion, Seen, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
 use crate::math::{
     Bounds, Vec2, Vec3, float, lerp, linear_from_srgb, smoothstep, srgb_from_linear,
@@ -87,7 +87,7 @@ pub fn side_by_side(pictures: &[Image<[u8; 3]>]) -> Image<[u8; 3]> {
 struct Stage<'a> {
     tree: &'a Drawable<'a>,
     settings: &'a Settings,
-    foliage: Vec<Image<Texel>>,
+    foliage: Foliage,
     bark: Vec<Image<Texel>>,
     shade: Occlusion,
     sun: Vec3,
@@ -105,7 +105,7 @@ impl<'a> Stage<'a> {
         Self {
             tree,
             settings,
-            foliage: mips::chain(tree.foliage.texels(), 5, ALPHA_CUTOFF),
+            foliage: Foliage::of(tree.foliage.texels(), 5),
             bark: mips::chain(tree.bark.texels(), 10, ALPHA_CUTOFF),
             shade,
             sun,

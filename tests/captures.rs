@@ -4,8 +4,8 @@ mod common;
 
 use common::{Sketch, cases, grown, sketches, small};
 use pleach::capture::{
-    ALPHA_CUTOFF, Baked, LeafArtwork, Plan, Settings, Source, Subject, Textures, VIEWS, View,
-    Visibility, bake,
+    ALPHA_CUTOFF, Baked, Foliage, LeafArtwork, Plan, Settings, Source, Subject, Textures, VIEWS,
+    View, Visibility, bake,
 };
 use pleach::image::atlas::Rect;
 use pleach::image::dilate::dilate;
@@ -207,7 +207,7 @@ fn a_capture_covers_what_a_projection_covers() {
     let tree = small().tree();
     let plan = Plan::of(&tree);
     let baked = baked(&tree, Source::Direct, 512);
-    let pyramid = mips::chain(baked.atlas.clone(), 4, ALPHA_CUTOFF);
+    let pyramid = Foliage::of(baked.atlas.clone(), 4);
     let bark = bark();
     let textures = Textures {
         bark: &bark,

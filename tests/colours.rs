@@ -4,7 +4,7 @@ mod common;
 
 use common::scripts;
 use pleach::asset::{AssetLod, TreeAsset};
-use pleach::capture::{ALPHA_CUTOFF, Occlusion, Textures, View, Visibility};
+use pleach::capture::{ALPHA_CUTOFF, Foliage, Occlusion, Textures, View, Visibility};
 use pleach::image::{Image, Texel, mips};
 use pleach::math::{Vec2, Vec3, float};
 use pleach::measure::silhouette::seen_bounds;
@@ -60,7 +60,7 @@ fn opaque(mut bark: Image<Texel>) -> Image<Texel> {
 
 /// For each LOD its linear colour over full detail's, where both are seen, from held-out views.
 fn colours(asset: &TreeAsset, plain: bool) -> Vec<Vec3> {
-    let foliage = mips::chain(asset.foliage.texels(), 5, ALPHA_CUTOFF);
+    let foliage = Foliage::of(asset.foliage.texels(), 5);
     let bark = mips::chain(opaque(asset.bark.texels()), 10, ALPHA_CUTOFF);
     let full = &asset.lods[0];
     let mut shade = Occlusion::of(&full.mesh);

@@ -5,8 +5,8 @@ mod common;
 use common::adapter::Outcome;
 use common::{Script, scripts, small};
 use pleach::capture::{
-    self, ALPHA_CUTOFF, Backend, BakeError, LeafArtwork, Occlusion, Pass, Picture, Plan, Scene,
-    Shot, Source, Textures, View,
+    self, ALPHA_CUTOFF, Backend, BakeError, Foliage, LeafArtwork, Occlusion, Pass, Picture, Plan,
+    Scene, Shot, Source, Textures, View,
 };
 use pleach::gpu::Gpu;
 use pleach::gpu_bake::Baker;
@@ -392,7 +392,7 @@ fn card(half: f32, z: f32) -> pleach::mesh::Primitive {
 fn scenes(meshes: &[Mesh], texels: u32) -> Result<Tally, String> {
     let both = Both::new()?;
     let atlas = Ellipses.draw(0, 128, 128);
-    let (bark, foliage) = (bark(), mips::chain(atlas, 4, ALPHA_CUTOFF));
+    let (bark, foliage) = (bark(), Foliage::of(atlas, 4));
     let parts = [Rect {
         x: 4,
         y: 4,
@@ -504,7 +504,8 @@ fn too_large() -> Outcome {
             shots: vec![Shot::new(0, view(1 << 20), [1 << 19; 2])],
         })
     };
-    let (bark, foliage) = (bark(), bark());
+    let bark = bark();
+    let foliage = Foliage::of(bark[0].clone(), 10);
     let pass = Pass {
         textures: Textures {
             bark: &bark,

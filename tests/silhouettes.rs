@@ -7,7 +7,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use common::{Script, scripts, stand_ins};
-use pleach::capture::{Textures, View, Visibility};
+use pleach::capture::{Foliage, Textures, View, Visibility};
 use pleach::image::{Image, Texel, png};
 use pleach::lod::State;
 use pleach::math::{Vec3, float, floor_to_u32};
@@ -71,7 +71,7 @@ fn silhouette(script: &Script) -> String {
     )];
     let textures = Textures {
         bark: &opaque,
-        foliage: &opaque,
+        foliage: &Foliage::of(opaque[0].clone(), 1),
         reliefs: &[],
     };
     let seen = Visibility::draw(&mesh, textures, &view);

@@ -12,10 +12,10 @@
 use super::backend::{Backend, Pass, Picture, Scene};
 use super::cpu::Cpu;
 use super::plan::{Plan, PlaneSet, Subject, VIEWS};
-use super::raster::{ALPHA_CUTOFF, Textures};
+use super::raster::{Foliage, Textures};
 use super::studio::{self, Node, Studio};
 use crate::image::atlas::{self, Rect, Wanted};
-use crate::image::{Image, Texel, mips};
+use crate::image::{Image, Texel};
 use crate::impostor::cross_quad::{CrossQuads, scaled};
 use crate::math::{Bounds, Quat, Similarity, Vec3, float};
 use crate::mesh::TooLarge;
@@ -254,7 +254,7 @@ impl Stage<'_> {
     /// Captures subjects into the atlas.
     fn subjects(&mut self, pass: &[usize]) -> Result<(), BakeError> {
         let from_captures = pass.iter().any(|&index| self.sources[index].is_some());
-        let mut pyramid = self.pyramid();
+        let pyramid = self.pyramid();
         let scene = |studio: &Studio<'_>, at: usize| {
             let index = pass[at];
             let pair = [&self.rects[index * VIEWS], &self.rects[index * VIEWS + 1]];
@@ -268,7 +268,7 @@ impl Stage<'_> {
             studio.scene(subject, self.sources[index], node, pair)
         };
         let drawn = self.draw(pass.len(), (&pyramid, from_captures), &scene)?;
-        self.atlas = pyramid.swap_remove(0);
+        self.atlas = pyramid.into_atlas();
         for (&index, pictures) in pass.iter().zip(drawn) {
             let rects = &self.rects[index * VIEWS..];
             let quads = self.hang(pictures, rects);
@@ -288,7 +288,7 @@ impl Stage<'_> {
         if sets.is_empty() {
             return Ok(());
         }
-        let mut pyramid = self.pyramid();
+        let pyramid = self.pyramid();
         let mut first = self.plan.captures() + self.leaves.len();
         let firsts: Vec<usize> = sets
             .iter()
@@ -316,7 +316,7 @@ impl Stage<'_> {
         };
         let from_captures = sets.iter().any(|set| source(set).is_some());
         let drawn = self.draw(sets.len(), (&pyramid, from_captures), &scene)?;
-        self.atlas = pyramid.swap_remove(0);
+        self.atlas = pyramid.into_atlas();
         for (pictures, first) in drawn.into_iter().zip(firsts) {
             let set = self.hang(pictures, &self.rects[first..]);
             self.quads.sets.push(set);
@@ -325,16 +325,16 @@ impl Stage<'_> {
     }
 
     /// Mips of the atlas as it stands; the atlas itself moves into them, and is to be put back.
-    fn pyramid(&mut self) -> Vec<Image<Texel>> {
+    fn pyramid(&mut self) -> Foliage {
         let atlas = core::mem::replace(&mut self.atlas, Image::filled(0, 0, Texel::EMPTY));
-        mips::chain(atlas, MIPS, ALPHA_CUTOFF)
+        Foliage::of(atlas, MIPS)
     }
 
     /// Draws one pass with mips of the atlas, of which only the leaves are shown, or captures as well.
     fn draw(
         &self,
         scenes: usize,
-        (pyramid, from_captures): (&[Image<Texel>], bool),
+        (pyramid, from_captures): (&Foliage, bool),
         scene: &(dyn Fn(&Studio<'_>, usize) -> Result<Scene, BakeError> + Sync),
     ) -> Result<Vec<Vec<Picture>>, BakeError> {
         let reliefs = self.quads.reliefs();

@@ -19,5 +19,5 @@ pub use bake::{
 pub use cpu::Cpu;
 pub use occlusion::Occlusion;
 pub use plan::{Plan, PlaneSet, Subject, VIEWS};
-pub use raster::{ALPHA_CUTOFF, Seen, Textures, View, Visibility};
+pub use raster::{ALPHA_CUTOFF, Foliage, Seen, Textures, View, Visibility};
 pub(crate) use studio::CAPTURE_SPLINE_LOD;

@@ -4,15 +4,14 @@
 //! surface is worked out once per visible sample afterwards. Triangles are drawn in order and ties in
 //! depth go to the first, so the result is the same bytes however the rows are split between threads.
 
+pub use crate::image::cutouts::ALPHA_CUTOFF;
+use crate::image::cutouts::Cutouts;
 use crate::image::scan::{self, Clip};
-use crate::image::{Image, Texel};
-use crate::math::{Vec2, Vec3, floor_to_u32};
+use crate::image::{Image, Texel, mips};
+use crate::math::{Vec2, Vec3, float, floor_to_u32};
 use crate::mesh::card::Relief;
 use crate::mesh::{Mesh, Primitive, Vertex};
 use rayon::prelude::*;
-
-/// Alpha at which a foliage texel counts as there; the cutoff of the exported material too.
-pub const ALPHA_CUTOFF: f32 = 0.5;
 
 /// An orthographic camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,13 +63,43 @@ impl View {
     }
 }
 
+/// An atlas ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct Foliage {
+    mips: Vec<Image<Texel>>,
+    /// Of each mip.
+    cutouts: Vec<Cutouts>,
+}
+
+impl Foliage {
+    /// An atlas and at most `levels - 1` smaller mips, their covered area kept.
+    #[must_use]
+    pub fn of(atlas: Image<Texel>, levels: usize) -> Self {
+        let mips = mips::chain(atlas, levels, ALPHA_CUTOFF);
+        let cutouts = mips.iter().map(Cutouts::of).collect();
+        Self { mips, cutouts }
+    }
+
+    /// The mips, finest first.
+    #[must_use]
+    pub fn mips(&self) -> &[Image<Texel>] {
+        &self.mips
+    }
+
+    /// The atlas that this was made of.
+    #[must_use]
+    pub fn into_atlas(mut self) -> Image<Texel> {
+        self.mips.swap_remove(0)
+    }
+}
+
 /// Texture mips, finest first, with texels in the wanted form.
 #[derive(Clone, Copy, Debug)]
 pub struct Textures<'a> {
     /// Repeats in both directions.
     pub bark: &'a [Image<Texel>],
     /// The atlas; alpha-tested.
-    pub foliage: &'a [Image<Texel>],
+    pub foliage: &'a Foliage,
     /// The captures in the atlas: what lies on them stands out of its plane by its depth offset.
     pub reliefs: &'a [Relief],
 }
@@ -189,7 +218,7 @@ impl Visibility {
         let sample = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
         let b = barycentric(screen, sample);
         let mips = if is_foliage {
-            textures.foliage
+            textures.foliage.mips()
         } else {
             textures.bark
         };
@@ -269,19 +298,22 @@ impl Band<'_> {
         }
     }
 
-    fn tested(&mut self, screen: &[(Vec2, f32)], primitive: &Primitive, mips: &[Image<Texel>]) {
+    fn tested(&mut self, screen: &[(Vec2, f32)], primitive: &Primitive, atlas: &Foliage) {
         let mut triangle = 1;
         for corner in primitive.indices.chunks_exact(3) {
             let [i, j, k] = [corner[0], corner[1], corner[2]].map(|i| i as usize);
             let corners = [screen[i], screen[j], screen[k]];
             if self.touches(&corners) {
                 let uv = [i, j, k].map(|i| primitive.vertices[i].uv);
-                let mip = &mips[mip_level(corners.map(|c| c.0), uv, mips)];
+                let level = mip_level(corners.map(|c| c.0), uv, &atlas.mips);
+                let (cutouts, mip) = (&atlas.cutouts[level], &atlas.mips[level]);
+                let [width, height] = [mip.width(), mip.height()].map(float);
                 self.triangle(corners, triangle, |b| {
-                    let at = core::array::from_fn(|k| {
+                    let at: [f32; 2] = core::array::from_fn(|k| {
                         uv[0][k] * b[0] + uv[1][k] * b[1] + uv[2][k] * b[2]
                     });
-                    fetch(mip, at, true).alpha >= ALPHA_CUTOFF
+                    let [x, y] = [at[0] * width, at[1] * height].map(floor_to_u32);
+                    cutouts.at(i64::from(x), i64::from(y))
                 });
             }
             triangle += 2;

@@ -4,7 +4,7 @@
 
 use super::light::{LIGHTS, Light};
 use crate::asset::Surface;
-use crate::capture::{ALPHA_CUTOFF, Textures, View, Visibility};
+use crate::capture::{ALPHA_CUTOFF, Foliage, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
 use crate::math::{Vec2, Vec3, float, srgb_from_linear};
 use crate::measure::silhouette::{Cutouts, Silhouette};
@@ -28,7 +28,7 @@ const BARK_MIPS: usize = 10;
 /// Textures of a model, ready to be fetched.
 pub(super) struct Skin {
     bark: Vec<Image<Texel>>,
-    foliage: Vec<Image<Texel>>,
+    foliage: Foliage,
     reliefs: Vec<Relief>,
     /// Which texels of the atlas are there.
     pub(super) cutouts: Cutouts,
@@ -43,7 +43,7 @@ impl Skin {
         Self {
             cutouts: Cutouts::of(&foliage),
             bark: mips::chain(opaque, BARK_MIPS, ALPHA_CUTOFF),
-            foliage: mips::chain(foliage, FOLIAGE_MIPS, ALPHA_CUTOFF),
+            foliage: Foliage::of(foliage, FOLIAGE_MIPS),
             reliefs: reliefs.to_vec(),
         }
     }

@@ -122,7 +122,7 @@ pub(super) struct Mips {
 
 impl Surfaces {
     pub(super) fn new(gpu: &Gpu, pass: &Pass<'_>) -> Result<Self, GpuError> {
-        let (bark, foliage) = (pass.textures.bark, pass.textures.foliage);
+        let (bark, foliage) = (pass.textures.bark, pass.textures.foliage.mips());
         let whole = [Rect {
             x: 0,
             y: 0,

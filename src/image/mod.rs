@@ -1,6 +1,7 @@
 //! Pixels: planes of texels, scan conversion, dilation, mips, atlas packing, PNG.
 
 pub mod atlas;
+pub mod cutouts;
 pub mod dilate;
 pub mod mips;
 pub mod png;

@@ -511,7 +511,7 @@ impl TrialQuad {
                 captured_thickness: 1.0,
                 uv: UvRect::ALL,
             },
-            cutouts: Cutouts::from_silhouette(&silhouette),
+            cutouts: silhouette.cutouts(),
         }
     }
 

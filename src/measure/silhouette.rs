@@ -4,74 +4,10 @@
 //! is the union of the silhouettes of its parts.
 
 use super::views::Direction;
-use crate::capture::{ALPHA_CUTOFF, View};
-use crate::image::{Image, Texel};
+use crate::capture::View;
+pub use crate::image::cutouts::Cutouts;
 use crate::math::{Bounds, Similarity, Vec2, Vec3, float, floor_to_u32};
 use crate::mesh::{Mesh, Primitive};
-
-/// Which texels of the foliage atlas are there.
-///
-/// Samples read the finest texels, never mips: then a covered share is right in the mean however far away the
-/// tree is, where the alpha test of a mip is right for some parts of an atlas and wrong for others.
-#[derive(Clone, Debug)]
-pub struct Cutouts {
-    width: u32,
-    height: u32,
-    /// Words of a row.
-    stride: usize,
-    /// A bit a texel, row by row from the top: an atlas stays in a processor's near memory.
-    bits: Vec<u64>,
-}
-
-impl Cutouts {
-    /// Cuts an atlas at the alpha of exported materials.
-    #[must_use]
-    pub fn of(atlas: &Image<Texel>) -> Self {
-        let is_there: Vec<bool> = atlas
-            .texels()
-            .iter()
-            .map(|t| t.alpha >= ALPHA_CUTOFF)
-            .collect();
-        Self::from_texels(atlas.width(), atlas.height(), &is_there)
-    }
-
-    /// A picture of coverage as a texture.
-    #[must_use]
-    pub fn from_silhouette(silhouette: &Silhouette) -> Self {
-        Self::from_texels(silhouette.width, silhouette.height, &silhouette.covered)
-    }
-
-    fn from_texels(width: u32, height: u32, texels: &[bool]) -> Self {
-        let stride = width.div_ceil(64) as usize;
-        let mut bits = vec![0_u64; stride * height as usize];
-        let rows = texels.chunks_exact(width.max(1) as usize);
-        for (words, row) in bits.chunks_exact_mut(stride.max(1)).zip(rows) {
-            for (word, texels) in words.iter_mut().zip(row.chunks(64)) {
-                *word = texels
-                    .iter()
-                    .rev()
-                    .fold(0, |word, &t| word << 1 | u64::from(t));
-            }
-        }
-        Self {
-            width,
-            height,
-            stride,
-            bits,
-        }
-    }
-
-    /// True if the texel is there; the nearest one for places outside.
-    #[inline]
-    fn at(&self, x: i64, y: i64) -> bool {
-        let clamp = |x: i64, size: u32| {
-            let inside = x.clamp(0, i64::from(size) - 1);
-            usize::try_from(inside).unwrap_or(0)
-        };
-        let (x, y) = (clamp(x, self.width), clamp(y, self.height));
-        self.bits[y * self.stride + x / 64] >> (x % 64) & 1 == 1
-    }
-}
 
 /// Pixels are counted in runs whose sums fit a byte: many of them add at once.
 const RUN: usize = 240;
@@ -144,6 +80,12 @@ impl Silhouette {
         for (mine, theirs) in self.covered.iter_mut().zip(&other.covered) {
             *mine |= theirs;
         }
+    }
+
+    /// The picture as a texture that is there where it is covered.
+    #[must_use]
+    pub fn cutouts(&self) -> Cutouts {
+        Cutouts::from_texels(self.width, self.height, &self.covered)
     }
 
     /// Covered pixels.

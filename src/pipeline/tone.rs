@@ -11,9 +11,9 @@
 //! viewer that knows nothing of the tree sees no step between geometry and captures.
 
 use crate::asset::{AssetLod, Tone};
-use crate::capture::{ALPHA_CUTOFF, Occlusion, Textures, View, Visibility};
+use crate::capture::{Foliage, Occlusion, Textures, View, Visibility};
 use crate::image::atlas::Rect;
-use crate::image::{Image, Texel, mips};
+use crate::image::{Image, Texel};
 use crate::impostor::cross_quad::CrossQuads;
 use crate::math::{TAU, Vec2, Vec3, float, lerp};
 use crate::measure::silhouette::seen_bounds;
@@ -22,8 +22,8 @@ use crate::mesh::Mesh;
 use crate::mesh::card::{Relief, UvRect};
 use rayon::prelude::*;
 
-/// Samples along the height of the tree: about where most LODs of a chain are seen.
-const SAMPLES: f32 = 192.0;
+/// Samples along the height of the tree: about where most LODs of a chain are seen, and enough for means.
+const SAMPLES: f32 = 128.0;
 
 /// Mips that the samples need.
 const MIPS: usize = 4;
@@ -172,7 +172,7 @@ pub(super) fn measure(
     let mut shade = Occlusion::of(full);
     let mean_open = shade.mean_open();
     shade.refine(full, SHADE_CELLS);
-    let foliage = mips::chain(atlas.clone(), MIPS, ALPHA_CUTOFF);
+    let foliage = Foliage::of(atlas.clone(), MIPS);
     let textures = Textures {
         bark,
         foliage: &foliage,
