@@ -67,6 +67,21 @@ struct Varyings {
     @location(7) @interpolate(flat) marks: vec4<f32>,
     // The same at the middle of the pixel, for its derivatives.
     @location(8) uv_middle: vec2<f32>,
+    // Shares of the nine baked lights: one instance has one sun.
+    @location(9) @interpolate(flat) first_shares: vec4<f32>,
+    @location(10) @interpolate(flat) second_shares: vec4<f32>,
+    @location(11) @interpolate(flat) third_share: f32,
+}
+
+// What a pixel spans of the texture, along the picture and down it. Derivatives are taken where all pixels of a
+// block come by, so that what is left out afterwards need not be lit.
+struct Footprint {
+    x: vec2<f32>,
+    y: vec2<f32>,
+}
+
+fn footprint_of(uv: vec2<f32>) -> Footprint {
+    return Footprint(dpdx(uv), dpdy(uv));
 }
 
 fn world_of(local: vec3<f32>, instance: Instance) -> vec3<f32> {
@@ -119,6 +134,10 @@ fn tree_drawn(vertex: Vertex, instance: Instance) -> Varyings {
     out.turn = instance.turn;
     out.tint = instance.tint.rgb;
     out.marks = instance.marks;
+    let shares = nine_shares(turned_back(frame.sun.xyz, instance.turn.xy));
+    out.first_shares = shares.first;
+    out.second_shares = shares.second;
+    out.third_share = shares.third;
     return out;
 }
 
@@ -148,13 +167,11 @@ fn samples_of(alpha: f32, fade: f32, pixel: vec2<f32>) -> u32 {
 // leaves that are seen aslant, or whose card has far more texels along than across, wash out below the
 // cutoff. So the footprint is narrowed here: to its area, and to the distance of samples, of which a pixel has
 // four.
-fn foliage_texel(in: Varyings) -> vec4<f32> {
-    let x = dpdx(in.uv_middle);
-    let y = dpdy(in.uv_middle);
-    let longer = max(max(dot(x, x), dot(y, y)), 1e-20);
-    let area = max(abs(x.x * y.y - x.y * y.x), 1e-20);
+fn foliage_texel(uv: vec2<f32>, over: Footprint) -> vec4<f32> {
+    let longer = max(max(dot(over.x, over.x), dot(over.y, over.y)), 1e-20);
+    let area = max(abs(over.x.x * over.y.y - over.x.y * over.y.x), 1e-20);
     let narrowed = 0.7 * max(sqrt(area / longer), 0.25);
-    return textureSampleGrad(albedo_map, surface_sampler, in.uv, x * narrowed, y * narrowed);
+    return textureSampleGrad(albedo_map, surface_sampler, uv, over.x * narrowed, over.y * narrowed);
 }
 
 // Alpha that is steep about the cutoff whatever the distance (Golus 2017, anti-aliased alpha test).
@@ -171,8 +188,8 @@ fn edge_on(in: Varyings) -> f32 {
 
 // The mapped normal; on the back of a card it is mirrored in the card's plane, so that light from above
 // stays light from above.
-fn mapped_normal(in: Varyings, front: bool) -> vec3<f32> {
-    let texel = textureSample(normal_map, surface_sampler, in.uv).xyz * 2.0 - 1.0;
+fn mapped_normal(in: Varyings, over: Footprint, front: bool) -> vec3<f32> {
+    let texel = textureSampleGrad(normal_map, surface_sampler, in.uv, over.x, over.y).xyz * 2.0 - 1.0;
     let n = normalize(in.normal);
     let t = normalize(in.tangent.xyz - n * dot(n, in.tangent.xyz));
     let b = cross(n, t) * in.tangent.w;
@@ -201,26 +218,33 @@ fn shadow_map_at(world: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(select(1.0, lit * 0.25, inside), exp(-behind * 20.0), select(0.0, 1.0, inside));
 }
 
-// What the light volume holds at a point: part of the sky, part of the sun.
-fn volume_at(local: vec3<f32>, turn: vec2<f32>) -> vec2<f32> {
-    let at = (local - model.volume_origin.xyz) * model.volume_scale.xyz;
+// What the light volume holds at a point: part of the sky, part of the sun. No more than three of the nine lights
+// have a share, so that textures of others need not be read.
+fn volume_at(in: Varyings) -> vec2<f32> {
+    let at = (in.local - model.volume_origin.xyz) * model.volume_scale.xyz;
     let a = textureSampleLevel(volume_a, smooth_sampler, at, 0.0);
-    let b = textureSampleLevel(volume_b, smooth_sampler, at, 0.0);
-    let c = textureSampleLevel(volume_c, smooth_sampler, at, 0.0);
-    let shares = nine_shares(turned_back(frame.sun.xyz, turn));
-    let lit = shares.first.x * a.y + shares.first.y * a.z + shares.first.z * a.w
-        + shares.first.w * b.x + shares.second.x * b.y + shares.second.y * b.z + shares.second.z * b.w
-        + shares.second.w * c.x + shares.third * c.y;
+    var lit = dot(in.first_shares.xyz, a.yzw);
+    if any(vec4<f32>(in.first_shares.w, in.second_shares.xyz) != vec4<f32>(0.0)) {
+        let b = textureSampleLevel(volume_b, smooth_sampler, at, 0.0);
+        lit += in.first_shares.w * b.x + dot(in.second_shares.xyz, b.yzw);
+    }
+    if in.second_shares.w != 0.0 || in.third_share != 0.0 {
+        let c = textureSampleLevel(volume_c, smooth_sampler, at, 0.0);
+        lit += in.second_shares.w * c.x + in.third_share * c.y;
+    }
     return vec2<f32>(a.x, lit);
 }
 
-fn lit_colour(in: Varyings, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) -> vec3<f32> {
-    let orm = textureSample(orm_map, surface_sampler, in.uv).xyz;
-    let extra = textureSample(extra_map, surface_sampler, in.uv).xyz;
+fn lit_colour(in: Varyings, over: Footprint, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) -> vec3<f32> {
+    let orm = textureSampleGrad(orm_map, surface_sampler, in.uv, over.x, over.y).xyz;
+    let extra = textureSampleGrad(extra_map, surface_sampler, in.uv, over.x, over.y).xyz;
     let outward = turned(normalize((in.local - model.centre.xyz) / model.extent.xyz + vec3<f32>(0.0, 1e-4, 0.0)),
         in.turn.xy);
-    let volume = volume_at(in.local, in.turn.xy) * between_trees(in);
-    let shadow = shadow_map_at(in.world, normalize(in.normal));
+    let volume = volume_at(in) * between_trees(in);
+    var shadow = vec3<f32>(1.0, 1.0, 0.0);
+    if in.marks.y > 0.0 || frame.modes.x == LIGHT_FOUR_FACTORS {
+        shadow = shadow_map_at(in.world, normalize(in.normal));
+    }
     var s: Surface;
     s.albedo = albedo * in.tint;
     s.normal = normalize(mix(mapped, outward, frame.sky_light.w * foliage));
@@ -259,8 +283,9 @@ fn lod_colour(lod: f32) -> vec3<f32> {
         + vec3<f32>(-1.0, 2.0, 2.0));
 }
 
-fn viewed(in: Varyings, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) -> vec3<f32> {
-    let lit = lit_colour(in, albedo, mapped, foliage);
+fn viewed(in: Varyings, over: Footprint, albedo: vec3<f32>, front: bool, foliage: f32) -> vec3<f32> {
+    let mapped = mapped_normal(in, over, front);
+    let lit = lit_colour(in, over, albedo, mapped, foliage);
     switch frame.modes.y {
         case VIEW_LOD: {
             let grey = dot(lit, vec3<f32>(0.2126, 0.7152, 0.0722));
@@ -281,7 +306,7 @@ fn viewed(in: Varyings, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) -> v
 @fragment
 fn fs_bark(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
     let albedo = textureSample(albedo_map, surface_sampler, in.uv);
-    let colour = viewed(in, albedo.rgb, mapped_normal(in, front), 0.0);
+    let colour = viewed(in, footprint_of(in.uv_middle), albedo.rgb, front, 0.0);
     let samples = samples_of(1.0, in.turn.w, in.clip.xy);
     // Roots stay below the ground.
     if samples == 0u || in.world.y < 0.0 {
@@ -292,12 +317,15 @@ fn fs_bark(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
 
 @fragment
 fn fs_foliage(in: Varyings, @builtin(front_facing) front: bool) -> Covered {
-    let albedo = foliage_texel(in);
+    let over = footprint_of(in.uv_middle);
+    let albedo = foliage_texel(in.uv, over);
     let alpha = sharpened(albedo.a) * edge_on(in);
-    let colour = viewed(in, albedo.rgb, mapped_normal(in, front), 1.0);
     let samples = samples_of(alpha, in.turn.w, in.clip.xy);
+    var colour = vec3<f32>(0.0);
     if samples == 0u || in.world.y < 0.0 {
         discard;
+    } else {
+        colour = viewed(in, over, albedo.rgb, front, 1.0);
     }
     return Covered(vec4<f32>(colour, 1.0), samples);
 }
