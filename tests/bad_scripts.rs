@@ -95,6 +95,40 @@ fn one_fault(part: &str, with: &str, words: &[&str]) {
 }
 
 #[test]
+fn ages_habits_and_variations_are_checked() {
+    let with = |more: &str| after("format: 1,", &format!("format: 1, {more},"));
+    let told = |more: &str, words: &[&str]| {
+        let report = with(more);
+        for word in words {
+            assert!(report.contains(word), "no `{word}` in:\n{report}");
+        }
+    };
+    assert_eq!(
+        with("age: 0.3, habit: Forest, variations: [(name: \"a-1\", seed: 2)]"),
+        ""
+    );
+    told("age: 0", &["age", "out of range", "0.05 to 1.5"]);
+    told(
+        "habit: Wood",
+        &["habit", "unknown name `Wood`", "Open, Forest"],
+    );
+    told(
+        "variations: [(name: \"Old one\", seed: 1)]",
+        &["variations[0].name", "a-z, 0-9"],
+    );
+    told("variations: [(name: \"a\")]", &["missing field `seed`"]);
+    told(
+        "variations: [(name: \"a\", seed: 1), (name: \"a\", seed: 2)]",
+        &["variations[1].name", "another variation named `a`"],
+    );
+    told(
+        "variations: [(name: \"a\", seed: 1, age: 2)]",
+        &["variations[0].age", "out of range"],
+    );
+    told("variations: 3", &["expected a list of variations"]);
+}
+
+#[test]
 fn a_good_script_has_no_fault() {
     let species = species::parse("t.ron", GOOD, &SHELF);
     let species = species.unwrap_or_else(|faults| panic!("{faults}"));

@@ -508,6 +508,50 @@ fn flags_of_the_lod_chain_override_the_script() {
 }
 
 #[test]
+fn a_script_is_changed_on_the_command_line_and_its_pack_tells_how() {
+    let (dir, script) = nursery();
+    let text = fs::read_to_string(&script).unwrap();
+    let varied = "variations: [(name: \"pole\", seed: 9, age: 0.5, habit: Forest)],\n    levels";
+    fs::write(&script, text.replacen("levels", varied, 1)).unwrap();
+    generate(&script, dir.path(), &["--variation", "pole"]).ends(0, &[]);
+    let pack = dir.path().join("sapling-pole-9");
+    let own = fs::read_to_string(pack.join("species.ron")).unwrap();
+    assert!(
+        own.contains("age: 0.5") && own.contains("habit: Forest"),
+        "{own}"
+    );
+    // The pack's own script makes it again, without a word on the command line.
+    let again = dir.path().join("again");
+    generate(&pack.join("species.ron"), &again, &[]).ends(0, &[]);
+    assert_same(&pack, &again.join("sapling-pole-9"));
+    let plain = |more: &[&str]| {
+        let run = generate(
+            &script,
+            dir.path(),
+            &[&["--json", "--force"], more].concat(),
+        );
+        run.ends(0, &[]);
+        run.json()["pack"].clone()
+    };
+    let height = |pack: &Value| pack["bounds"]["max"][1].as_f64().unwrap();
+    let young = plain(&["--set", "age=0.2", "--set", "slug=\"young\""]);
+    assert!(
+        height(&young) < 0.6 * height(&plain(&[])),
+        "{}",
+        height(&young)
+    );
+    for (more, words) in [
+        (["--variation", "pool"], ["no such variation", "pole"]),
+        (["--set", "age"], ["FIELD=VALUE", "age=0.4"]),
+        (["--set", "age=(("], ["no value", "(("]),
+    ] {
+        generate(&script, dir.path(), &more).ends(2, &words);
+    }
+    generate(&script, dir.path(), &["--set", "agr=1"]).ends(1, &["unknown field `agr`", "`age`"]);
+    generate(&script, dir.path(), &["--set", "age=9"]).ends(1, &["out of range", "0.05 to 1.5"]);
+}
+
+#[test]
 fn check_tells_every_fault_of_every_script_at_its_place() {
     let (dir, script) = nursery();
     let bad = dir.path().join("bad.ron");

@@ -38,6 +38,8 @@ pub(crate) struct Generate {
     /// Seed; the script's own without.
     #[arg(long)]
     pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) changes: Changes,
     /// Folder in which the pack's folder is made.
     #[arg(long, default_value = "packs")]
     pub(crate) out: PathBuf,
@@ -51,6 +53,24 @@ pub(crate) struct Generate {
     /// Print the manifest to stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// What is changed in a script before its tree is grown; packs hold the changed script.
+#[derive(Clone, Debug, Default, ClapArgs)]
+pub(crate) struct Changes {
+    /// Grow a named variation of the script; its name becomes part of the pack's.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) variation: Option<String>,
+    /// Set a field of the script: `age=0.4`, `habit=Forest`, `levels.trunk.length_m=3`. May be given again.
+    #[arg(long, value_name = "FIELD=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+impl Changes {
+    /// True if a pack, which holds a tree that is grown already, cannot do what is asked.
+    pub(crate) fn any(&self) -> bool {
+        self.variation.is_some() || !self.set.is_empty()
+    }
 }
 
 /// What is made of a tree.
@@ -170,6 +190,8 @@ pub(crate) struct Inspect {
     /// Seed, for a script; its own without.
     #[arg(long)]
     pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) changes: Changes,
     /// Triangle budgets, for a script.
     #[arg(long, value_delimiter = ',')]
     pub(crate) budgets: Option<Vec<String>>,
@@ -191,6 +213,8 @@ pub(crate) struct Evaluate {
     /// Seed, for a script; its own without.
     #[arg(long)]
     pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) changes: Changes,
     /// Triangle budgets, for a script; `full` first to judge full detail too.
     #[arg(long, value_delimiter = ',')]
     pub(crate) budgets: Option<Vec<String>>,
@@ -241,6 +265,8 @@ pub(crate) struct Render {
     /// Seed, for a script; its own without.
     #[arg(long)]
     pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) changes: Changes,
     /// Triangle budgets, for a script.
     #[arg(long, value_delimiter = ',')]
     pub(crate) budgets: Option<Vec<String>>,

@@ -54,11 +54,14 @@ fn check(args: &Evaluate) -> Result<(), Failure> {
             "--fail-above: write a part of the covered area that is not negative, such as 0.05 for 5 %",
         ));
     }
-    let from_script = args.seed.is_some() || args.budgets.is_some() || args.texture_size.is_some();
+    let from_script = args.seed.is_some()
+        || args.budgets.is_some()
+        || args.texture_size.is_some()
+        || args.changes.any();
     if args.path.is_dir() && from_script {
         return Err(Failure::usage(format!(
-            "{} is a pack, which has its own seed, budgets and texture size; leave out --seed, --budgets and \
-             --texture-size, or evaluate its script",
+            "{} is a pack, which has its own seed, budgets and texture size; leave out --seed, --budgets, \
+             --texture-size, --variation and --set, or evaluate its script",
             args.path.display()
         )));
     }
@@ -93,7 +96,7 @@ fn of_script(args: &Evaluate) -> Result<Evaluation, Failure> {
     if let Some(size) = args.texture_size {
         settings.captures.atlas_size = args::texture_size(size).map_err(Failure::usage)?;
     }
-    let script = super::read_script(&args.path)?;
+    let script = super::read_script(&args.path, &args.changes)?;
     let bar = Bar::alone(&script.species.name);
     let asset = grown(&args.path, &script.species, &settings, &script.files, &bar)?;
     let subject = Subject::of_asset(&asset, full);

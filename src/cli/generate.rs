@@ -11,7 +11,7 @@ pub(crate) fn run(args: &Generate) -> Result<End, Failure> {
     let begun = Instant::now();
     super::use_threads(args.threads.map(usize::from))?;
     let settings = settings(&args.tree, args.seed)?;
-    let script = super::read_script(&args.species)?;
+    let script = super::read_script(&args.species, &args.changes)?;
     let seed = args.seed.unwrap_or(script.species.seed);
     let name = pack::folder_name(&script.species.slug, seed);
     // Now as well as when writing, so that nobody waits for a tree that is then refused.

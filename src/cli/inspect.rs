@@ -18,6 +18,12 @@ pub(crate) fn run(args: &Inspect) -> Result<End, Failure> {
 }
 
 fn pack_folder(args: &Inspect) -> Result<End, Failure> {
+    if args.changes.any() {
+        return Err(Failure::usage(format!(
+            "{} is a pack, whose tree is grown already; leave out --variation and --set, or inspect its script",
+            args.path.display()
+        )));
+    }
     let manifest = pack::read_manifest(&args.path).map_err(Failure::input)?;
     eprintln!("{}", manifest_text(&manifest));
     let files = manifest
@@ -186,7 +192,7 @@ struct ScriptJson<'a> {
 /// Makes the tree, all but its files: what LODs look like is measured, so it cannot be told without.
 fn script(args: &Inspect) -> Result<End, Failure> {
     let settings = settings(args)?;
-    let script = super::read_script(&args.path)?;
+    let script = super::read_script(&args.path, &args.changes)?;
     let bar = Bar::alone(&script.species.name);
     let asset = pipeline::generate(&script.species, &settings, &script.files, &bar)
         .map_err(|error| super::generate::failure(&args.path, &error))?;

@@ -157,8 +157,51 @@ pub(crate) struct Script {
     pub(crate) files: crate::species::Beside,
 }
 
-/// Reads a script; its faults become the failure's message.
-pub(crate) fn read_script(path: &std::path::Path) -> Result<Script, Failure> {
+/// The text of a script with what the command line changes in it.
+fn changed(
+    shown: &str,
+    text: String,
+    files: &crate::species::Beside,
+    changes: &args::Changes,
+) -> Result<String, Failure> {
+    use crate::species::edit;
+    let mut text = text;
+    if let Some(name) = &changes.variation {
+        // What is at fault in the script is told where it is read for good.
+        let Ok(species) = crate::species::parse(shown, &text, files) else {
+            return Ok(text);
+        };
+        let known = species.variations.iter().find(|known| known.name == *name);
+        let Some(variation) = known else {
+            let names: Vec<&str> = species.variations.iter().map(|v| &v.name[..]).collect();
+            let known = match names.is_empty() {
+                true => "it has none".to_owned(),
+                false => format!("there are {}", names.join(", ")),
+            };
+            let message = format!("--variation {name}: {shown} has no such variation; {known}");
+            return Err(Failure::usage(message));
+        };
+        text = edit::vary(&text, &species, variation).map_err(Failure::usage)?;
+    }
+    for change in &changes.set {
+        let Some((field, value)) = change.split_once('=') else {
+            let message = format!("--set {change}: expected FIELD=VALUE, such as age=0.4");
+            return Err(Failure::usage(message));
+        };
+        text = match edit::set(&text, field.trim(), value) {
+            Ok(text) => text,
+            Err(edit::EditError::Unreadable) => return Ok(text),
+            Err(error) => return Err(Failure::usage(format!("--set {change}: {error}"))),
+        };
+    }
+    Ok(text)
+}
+
+/// Reads a script and changes it; its faults become the failure's message.
+pub(crate) fn read_script(
+    path: &std::path::Path,
+    changes: &args::Changes,
+) -> Result<Script, Failure> {
     let bytes = std::fs::read(path)
         .map_err(|e| Failure::input(format!("cannot read {}: {e}", path.display())))?;
     let text = String::from_utf8(bytes).map_err(|e| {
@@ -170,6 +213,7 @@ pub(crate) fn read_script(path: &std::path::Path) -> Result<Script, Failure> {
     })?;
     let files =
         crate::species::Beside(path.parent().unwrap_or(std::path::Path::new("")).to_owned());
+    let text = changed(&path.display().to_string(), text, &files, changes)?;
     match crate::species::parse(&path.display().to_string(), &text, &files) {
         Ok(species) => Ok(Script {
             text,

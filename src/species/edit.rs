@@ -1,6 +1,7 @@
 //! Editing a script's text at one field, leaving comments, order and everything else as they are.
 
 use super::fields::{Absent, SPECIES};
+use super::schema::{Species, Variation};
 use super::syntax::{self, Kind, Node};
 
 /// Why a field could not be set.
@@ -64,6 +65,23 @@ pub fn set(source: &str, path: &str, value: &str) -> Result<String, EditError> {
         }
     }
     Ok(spliced(source, node.span.clone(), value))
+}
+
+/// The script of one of its named variations, with a slug that tells its packs from others.
+///
+/// # Errors
+/// See [`EditError`].
+pub fn vary(source: &str, species: &Species, variation: &Variation) -> Result<String, EditError> {
+    let slug = format!("\"{}-{}\"", species.slug, variation.name);
+    let mut text = set(source, "slug", &slug)?;
+    text = set(&text, "seed", &variation.seed.to_string())?;
+    if let Some(age) = variation.age {
+        text = set(&text, "age", &age.to_string())?;
+    }
+    if let Some(habit) = variation.habit {
+        text = set(&text, "habit", &format!("{habit:?}"))?;
+    }
+    Ok(text)
 }
 
 fn spliced(source: &str, span: std::ops::Range<usize>, text: &str) -> String {

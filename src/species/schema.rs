@@ -15,6 +15,13 @@ pub struct Species {
     pub slug: String,
     /// Seed used when none is given on the command line.
     pub seed: u64,
+    /// Diameter of the trunk as a part of a mature tree's, 0.05..=1.5: about 0.1 a sapling, 0.4 young, 1 mature,
+    /// 1.3 a veteran.
+    pub age: f32,
+    /// Where it has grown up.
+    pub habit: Habit,
+    /// Trees of the kind that are worth keeping, by name.
+    pub variations: Vec<Variation>,
     /// Several stems out of one stool; `None` is a single trunk.
     pub stems: Option<Stems>,
     /// Branching levels, the trunk first. A level hangs on the one before it unless it says `on`.
@@ -29,6 +36,29 @@ pub struct Species {
     pub lod: Lod,
     /// Files that the script names (splines, images), relative to it, in the order of the script.
     pub files: Vec<String>,
+}
+
+/// Where a tree has grown up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Habit {
+    /// In the open, with light from all sides: as the levels describe it.
+    #[default]
+    Open,
+    /// Among others: higher on a thinner trunk, with a narrower crown that begins higher.
+    Forest,
+}
+
+/// A tree of the kind that is worth keeping: what it sets in place of the script's own word.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variation {
+    /// Unique name; lower-case letters, digits and `-`, as it becomes part of a pack's name.
+    pub name: String,
+    /// Seed.
+    pub seed: u64,
+    /// Age, if it is another one.
+    pub age: Option<f32>,
+    /// Habit, if it is another one.
+    pub habit: Option<Habit>,
 }
 
 /// Stems of a multi-stemmed tree: the whole tree becomes a level of its own above the stems.

@@ -3,6 +3,7 @@
 //! Cost: time and memory go with the links of the prototypes, not with the nodes of the tree.
 
 use super::branch::Recipe;
+use super::growth::grown_up;
 use super::links::{self, ChildLevel};
 use super::{Branch, Kind, Limits, Link, Part, Prototype, Tree, TreeLevel};
 use crate::math::Vec3;
@@ -66,11 +67,12 @@ pub enum GrowError {
     },
 }
 
-/// Grows the tree of one species and seed.
+/// Grows the tree of one species and seed, at the age and in the habit that the species says.
 ///
 /// # Errors
 /// If the tree would pass one of `limits`, or the species is not whole ([`GrowError`]).
 pub fn grow(species: &Species, seed: u64, limits: &Limits) -> Result<Tree, GrowError> {
+    let species = &*grown_up(species);
     check_counts(species, limits)?;
     let mut levels: Vec<TreeLevel> = Vec::with_capacity(species.levels.len() + 1);
     let mut thinnest: Vec<Vec<f32>> = Vec::new();

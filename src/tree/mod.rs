@@ -14,6 +14,7 @@ mod branch;
 mod count;
 pub mod flex;
 mod grow;
+mod growth;
 mod limits;
 mod links;
 

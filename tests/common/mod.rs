@@ -15,8 +15,9 @@ use pleach::lod::{Selector, State, Triangles};
 use pleach::math::{Similarity, Vec3};
 use pleach::mesh::card::{Quad, UvRect};
 use pleach::species::schema::{
-    Arrangement, Bark, BarkArt, BarkPattern, Blade, BranchParams, Curve, Knots, LeafArt, LeafKind,
-    LeafLook, LeafParams, Level, LevelKind, Lod, Param, Placement, Size, Species, Spline, Stems,
+    Arrangement, Bark, BarkArt, BarkPattern, Blade, BranchParams, Curve, Habit, Knots, LeafArt,
+    LeafKind, LeafLook, LeafParams, Level, LevelKind, Lod, Param, Placement, Size, Species, Spline,
+    Stems,
 };
 use pleach::species::{self, Beside};
 use pleach::tree::{Limits, Tree, grow};
@@ -183,6 +184,9 @@ impl Sketch {
             latin: String::new(),
             slug: "sketch".to_owned(),
             seed: self.seed,
+            age: 1.0,
+            habit: Habit::Open,
+            variations: Vec::new(),
             stems: self.stems.map(|count| Stems {
                 count,
                 spread_m: 0.4,

@@ -79,9 +79,9 @@ enum Subject {
 impl Subject {
     fn of(args: &Render, path: &Path) -> Result<Self, Failure> {
         if path.is_dir() {
-            if args.seed.is_some() || args.budgets.is_some() {
+            if args.seed.is_some() || args.budgets.is_some() || args.changes.any() {
                 return Err(Failure::usage(format!(
-                    "{} is a pack, which has its own seed and budgets; leave out --seed and --budgets, or draw \
+                    "{} is a pack, which has its own seed and budgets; leave out --seed, --budgets, --variation and --set, or draw \
                      its script",
                     path.display()
                 )));
@@ -99,7 +99,7 @@ impl Subject {
             budgets,
             ..Settings::default()
         };
-        let script = super::read_script(path)?;
+        let script = super::read_script(path, &args.changes)?;
         let bar = Bar::alone(&script.species.name);
         let asset = pipeline::generate(&script.species, &settings, &script.files, &bar)
             .map_err(|error| super::generate::failure(path, &error))?;

@@ -14,7 +14,9 @@ pub use levels::{
 pub use looks::{
     ALTERNATE, ARRANGEMENTS, BARK, BARK_IMAGE, BARKS, BLADE, DRAWN_LEAF, LEAF, OPPOSITE,
 };
-pub use species::{CLOSED_FORMS, KNOTS, LOD, SELECTORS, SIMPLIFICATIONS, SPECIES, SPLINE, STEMS};
+pub use species::{
+    CLOSED_FORMS, HABITS, KNOTS, LOD, SELECTORS, SIMPLIFICATIONS, SPECIES, SPLINE, STEMS, VARIATION,
+};
 
 /// Fields of one kind of struct.
 #[derive(Debug)]
@@ -168,6 +170,7 @@ pub const MAX_NODES: u64 = 1_000_000_000_000_000;
 /// All tables, for tests and for whoever prints a reference.
 pub static TABLES: &[&Table] = &[
     &SPECIES,
+    &VARIATION,
     &STEMS,
     &BARK,
     &BARK_IMAGE,

@@ -2,7 +2,7 @@
 
 use super::Absent::{Fault, Means, Special};
 use super::Holds::{Angle, Factor, Number, OneOf, Other, Path, Text, Whole};
-use super::{FACTOR, Table, field, limits};
+use super::{FACTOR, Limits, Table, field, limits};
 
 /// A whole script.
 pub static SPECIES: Table = Table {
@@ -28,6 +28,25 @@ pub static SPECIES: Table = Table {
             Whole(0, u64::MAX),
             Means("1"),
             "Seed used when none is given elsewhere.",
+        ),
+        field(
+            "age",
+            Number(AGE),
+            Means("1"),
+            "Diameter of the trunk as a part of a mature tree's: 0.1 a sapling, 0.4 young, 1 as the levels say, \
+             1.3 a veteran.",
+        ),
+        field(
+            "habit",
+            OneOf(HABITS),
+            Means("Open"),
+            "Where it has grown up: Open as the levels say; Forest higher, slimmer, its crown beginning higher.",
+        ),
+        field(
+            "variations",
+            Other("list of Variation"),
+            Means("[]"),
+            "Trees of the kind that are worth keeping, by name.",
         ),
         field(
             "stems",
@@ -64,6 +83,39 @@ pub static SPECIES: Table = Table {
             Other("Lod"),
             Means("()"),
             "How the chain of LODs is made.",
+        ),
+    ]],
+};
+
+/// Part of a mature tree's diameter.
+const AGE: Limits = limits(0.05, 1.5, "");
+
+/// Names of the habits.
+pub const HABITS: &[&str] = &["Open", "Forest"];
+
+/// A named variation.
+pub static VARIATION: Table = Table {
+    name: "Variation",
+    doc: "A tree of the kind that is worth keeping.",
+    groups: &[&[
+        field(
+            "name",
+            Text,
+            Fault,
+            "Unique name: a-z, 0-9 and `-`, not first or last.",
+        ),
+        field("seed", Whole(0, u64::MAX), Fault, "Its seed."),
+        field(
+            "age",
+            Number(AGE),
+            Special,
+            "Its age; the script's if left out.",
+        ),
+        field(
+            "habit",
+            OneOf(HABITS),
+            Special,
+            "Its habit; the script's if left out.",
         ),
     ]],
 };

@@ -10,7 +10,7 @@ use super::decode::{Fields, Report, Value};
 use super::fault::{Fault, Faults, Source};
 use super::fields::{self, MAX_NAME, MAX_NAMED};
 use super::files::Files;
-use super::schema::{FORMAT, Species, Stems};
+use super::schema::{FORMAT, Habit, Species, Stems, Variation};
 use super::syntax::{self, Kind, Node};
 
 /// Largest script, bytes.
@@ -105,6 +105,9 @@ fn species(reader: &mut Reader<'_>, node: &Node) -> Option<Species> {
     let latin = root.text(out, "latin");
     let slug = slug(out, &root, &name);
     let seed = root.whole64(out, "seed");
+    let age = root.number(out, "age");
+    let habit = habit(out, &root).unwrap_or_default();
+    let variations = variations(out, &root);
     let stems = root.get("stems").map(|value| stems(out, value));
     let bark = leaves::bark(reader, &root);
     let (splines, spline_names) = splines::splines(reader, &root);
@@ -123,6 +126,9 @@ fn species(reader: &mut Reader<'_>, node: &Node) -> Option<Species> {
         latin,
         slug,
         seed,
+        age,
+        habit,
+        variations,
         stems,
         levels: levels.levels,
         splines,
@@ -154,25 +160,32 @@ fn foreign_format(root: &Fields<'_>) -> Option<Fault> {
     }
 }
 
+/// What may name files.
+const SLUG_HELP: &str = "a-z, 0-9 and `-` (not first or last), at most 100 characters";
+
+fn is_slug_char(c: char) -> bool {
+    c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'
+}
+
+fn is_slug(text: &str) -> bool {
+    let ends = text.starts_with('-') || text.ends_with('-');
+    !text.is_empty() && !ends && text.len() <= MAX_NAME && text.chars().all(is_slug_char)
+}
+
 /// The given slug, or one made from the name.
 fn slug(out: &mut Report, root: &Fields<'_>, name: &str) -> String {
-    let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     if let Some(value) = root.get("slug") {
         let slug = root.text(out, "slug");
-        let ends = slug.starts_with('-') || slug.ends_with('-');
-        let bad = slug.is_empty() || ends || slug.len() > MAX_NAME || !slug.chars().all(allowed);
-        if bad && matches!(value.node.kind, Kind::Text(_)) {
+        if !is_slug(&slug) && matches!(value.node.kind, Kind::Text(_)) {
             let message = format!("`{slug}` cannot be a slug: it names files");
             let fault = value.fault(message);
-            out.push(fault.help(format!(
-                "a-z, 0-9 and `-` (not first or last), at most {MAX_NAME} characters"
-            )));
+            out.push(fault.help(SLUG_HELP));
         }
         return slug;
     }
     let mut slug = String::new();
     for c in name.to_lowercase().chars() {
-        if allowed(c) && c != '-' {
+        if is_slug_char(c) && c != '-' {
             slug.push(c);
         } else if !slug.is_empty() && !slug.ends_with('-') {
             slug.push('-');
@@ -187,6 +200,54 @@ fn slug(out: &mut Report, root: &Fields<'_>, name: &str) -> String {
         out.push(fault.help("give a `slug` of a-z, 0-9 and `-`"));
     }
     slug
+}
+
+fn habit(out: &mut Report, fields: &Fields<'_>) -> Option<Habit> {
+    let name = fields.read(out, "habit", |out, value, _| {
+        value.one_of(out, fields::HABITS)
+    })?;
+    Some(match name {
+        "Forest" => Habit::Forest,
+        _ => Habit::Open,
+    })
+}
+
+/// Named variations; they become parts of file names.
+fn variations(out: &mut Report, root: &Fields<'_>) -> Vec<Variation> {
+    let mut found: Vec<Variation> = Vec::new();
+    let Some(list) = root.get("variations") else {
+        return found;
+    };
+    let items = list.items(out, "a list of variations");
+    if items.len() > MAX_NAMED {
+        let message = format!(
+            "the list has {} items; at most {MAX_NAMED} are allowed",
+            items.len()
+        );
+        out.push(list.fault(message));
+        return found;
+    }
+    for item in items {
+        let fields = Fields::open_plain(out, item, &fields::VARIATION);
+        let name = fields.text(out, "name");
+        if let Some(value) = fields.get("name") {
+            if !is_slug(&name) && matches!(value.node.kind, Kind::Text(_)) {
+                let fault = value.fault(format!(
+                    "`{name}` cannot name a variation: it becomes part of file names"
+                ));
+                out.push(fault.help(SLUG_HELP));
+            } else if found.iter().any(|known| known.name == name) {
+                out.push(value.fault(format!("there is another variation named `{name}`")));
+            }
+        }
+        found.push(Variation {
+            name,
+            seed: fields.whole64(out, "seed"),
+            age: fields.has("age").then(|| fields.number(out, "age")),
+            habit: habit(out, &fields),
+        });
+    }
+    found
 }
 
 fn stems(out: &mut Report, value: Value<'_>) -> Stems {
