@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use pleach::image::{Image, Texel};
-use pleach::math::{TAU, Vec3, linear_from_srgb, srgb_from_linear};
+use pleach::math::{TAU, Vec3, floor_to_u32, linear_from_srgb, srgb_from_linear};
 use pleach::species::schema::{BarkArt, BarkPattern};
 use pleach::texture;
 
@@ -111,8 +111,7 @@ fn stem(tile: &Image<Texel>, height_m: f32, x: u32, y: u32) -> [u8; 3] {
     let up = (1.0 - (y as f32 + 0.5) / CELL as f32) * 2.4 * STEM_M;
     let u = (angle / TAU + 0.5) * repeats;
     let v = up / height_m;
-    let wrapped = |x: f32| (((x - x.floor()) * TILE as f32) as u32).min(TILE - 1);
-    // Over about the texels of a pixel.
+    let wrapped = |x: f32| floor_to_u32((x - x.floor()) * TILE as f32).min(TILE - 1);
     let texel = tile.at(wrapped(u), wrapped(-v));
     let [nx, ny, nz] = texel.normal;
     let (sine, cosine) = libm::sincosf(angle);

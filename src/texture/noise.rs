@@ -69,10 +69,9 @@ impl Periodic {
         let (x0, x1, fx) = wrapped(u, self.period[0]);
         let (y0, y1, fy) = wrapped(v, self.period[1]);
         let corner = |x: u32, y: u32, dx: f32, dy: f32| {
-            let bits = self.hash(x, y);
-            // Two 16-bit parts as a gradient in the square: uneven lengths hide the lattice.
-            let part = |bits: u32| unit_from_bits(bits << 16) * 2.0 - 1.0;
-            part(bits) * dx + part(bits >> 16) * dy
+            // Two signed 16-bit parts as a gradient in the square: uneven lengths hide the lattice.
+            let bits = self.hash(x, y).cast_signed();
+            ((bits << 16) >> 16) as f32 * dx + (bits >> 16) as f32 * dy
         };
         let low = mix(
             corner(x0, y0, fx, fy),
@@ -85,7 +84,7 @@ impl Periodic {
             fade(fx),
         );
         // 1.7 brings the usual extremes near -1 and 1.
-        1.7 * mix(low, high, fade(fy))
+        (1.7 / 32_768.0) * mix(low, high, fade(fy))
     }
 
     /// Sum of `octaves` fields, each twice as fine and half as strong; about -1..1.

@@ -47,7 +47,8 @@ impl Ridged {
         let rib = self.rib.at(x, y);
         let wide = smoothstep(-0.5, 0.5, patch + 0.3 * rib);
         let mut ridge = 0.0;
-        let mut id = 0.5;
+        // A height and tone of each ridge's own, which fade towards its borders.
+        let mut own = 0.0;
         // A braid starts with bridges over the furrows; the ridges between them go last.
         let parted = 1.0 - smoothstep(0.6, 1.0, self.braid);
         if parted > 0.0 {
@@ -56,13 +57,14 @@ impl Ridged {
             // Where the furrow closes, two ridges join.
             let joined = smoothstep(0.25, 0.7, -patch) * 0.45;
             ridge = lerp(wall, 0.85, joined) * parted;
-            id = cell.id;
+            own = (cell.id - 0.5) * smoothstep(0.0, 0.2, cell.border);
         }
         if self.braid > 0.0 {
             let cell = self.net.cell(x, y);
             let foot = lerp(0.5, 0.36, wide) * lerp(0.35, 1.0, self.braid);
             let wall = 1.0 - smoothstep(0.05, foot, cell.border + 0.07 * rib);
-            ridge = ridge.max(wall * smoothstep(0.0, 0.4, self.braid) * lerp(0.8, 1.0, cell.id));
+            let high = smoothstep(0.0, 0.4, self.braid) * lerp(1.0, 0.85, wide);
+            ridge = ridge.max(wall * high);
         }
         let crest = lerp(ridge, smoothstep(0.15, 0.55, ridge), self.flat);
         let round = lerp(0.8 + 0.2 * smoothstep(0.5, 1.0, ridge), 1.0, self.flat);
@@ -79,14 +81,14 @@ impl Ridged {
         };
         // Fine splits along the crests, where the ribs meet.
         let split = bump(rib / 0.13) * smoothstep(0.25, 0.7, crest);
-        let grain = self.grain.fbm(x, y, 2);
+        let grain = self.grain.fbm(x, v, 2);
         let height =
             0.06 + 0.68 * crest * round + 0.15 * rib * (0.35 + crest) - 0.15 * cut - 0.1 * split
-                + 0.12 * (id - 0.5) * crest
+                + 0.12 * own * crest
                 + 0.09 * grain * (0.4 + 0.6 * crest);
         Point {
             height,
-            tone: 0.04 + 0.82 * height + 0.14 * grain + 0.16 * (id - 0.5) * crest - 0.08 * cut,
+            tone: 0.04 + 0.82 * height + 0.14 * grain + 0.16 * own * crest - 0.08 * cut,
             accent: 0.3 * (1.0 - smoothstep(0.0, 0.14, height)),
             rough: 0.0,
         }
@@ -127,13 +129,15 @@ impl Gnarled {
         let swell = self.swell.fbm(x, y, 2);
         let ridge = smoothstep(-0.05, 0.5, knot.border + 0.1 * swell);
         let scale = self.scale.cell(x, y);
-        let share = patch + 0.5 * (knot.id - 0.5);
+        let inside = smoothstep(0.0, 0.15, knot.border);
+        let share = patch + 0.5 * (knot.id - 0.5) * inside;
         let broken = smoothstep(0.55 - 1.4 * self.scales, 1.2 - 1.4 * self.scales, share);
         let furrow = bump(scale.border / 0.24) * broken;
         let pit = (1.0 - smoothstep(0.05, 0.4, scale.centre)) * smoothstep(0.88, 0.93, scale.id);
         let grain = self.grain.fbm(u, v, 2);
         let fibre = self.fibre.at(x, y) * (1.0 - broken);
-        let bare = smoothstep(0.35, 0.7, swell - 0.6 * patch) * smoothstep(0.6, 0.7, knot.id);
+        let bare =
+            smoothstep(0.35, 0.7, swell - 0.6 * patch) * smoothstep(0.6, 0.7, knot.id) * inside;
         let height = 0.2 + 0.5 * ridge + 0.18 * swell - 0.17 * furrow - 0.3 * pit
             + 0.14 * (scale.id - 0.5) * broken * smoothstep(0.0, 0.25, scale.border)
             + 0.2 * (knot.id - 0.5) * smoothstep(0.0, 0.3, knot.border)
