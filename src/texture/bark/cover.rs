@@ -63,7 +63,7 @@ impl Skin {
 
 /// Lichen and moss.
 pub(super) struct Cover {
-    crust: [Spots; 2],
+    crust: Spots,
     edge: Periodic,
     damp: Periodic,
     lichen: f32,
@@ -73,10 +73,7 @@ pub(super) struct Cover {
 impl Cover {
     pub(super) fn new(loom: &mut Loom, art: &BarkArt) -> Self {
         Self {
-            crust: [
-                loom.spots([0.024, 0.024], [1.1, 1.1]),
-                loom.spots([0.009, 0.009], [1.2, 1.2]),
-            ],
+            crust: loom.spots([0.02, 0.02], [1.0, 1.0]),
             edge: loom.field(0.008, 0.008),
             damp: loom.field(0.12, 0.2),
             lichen: art.lichen,
@@ -99,23 +96,9 @@ impl Cover {
         let mut colour = colour;
         let mut covered = 0.0;
         if self.lichen > 0.0 {
-            for (spots, kind) in self.crust.iter().zip(LICHEN) {
-                let (cell, [x, y]) = spots.at(u, v);
-                if cell.id >= 2.0 * self.lichen {
-                    continue;
-                }
-                let out = (x * x + y * y).sqrt() + 0.45 * edge;
-                let size = (0.3 + 0.7 * cell.draw(1.0))
-                    * smoothstep(-0.2 - self.lichen, 0.6 - self.lichen, patch);
-                // Crusts sit on the heights, where there is light.
-                let amount = (1.0 - smoothstep(0.7 * size, size, out))
-                    * smoothstep(0.02, 0.1, size)
-                    * smoothstep(0.2, 0.4, height)
-                    * (0.75 + 0.35 * edge).clamp(0.0, 1.0);
-                let shade = 0.85 + 0.25 * edge + 0.2 * (cell.draw(2.0) - 0.5);
-                colour = mixed(colour, kind.map(|x| x * shade), 0.85 * amount);
-                covered = lerp(covered, 1.0, amount);
-            }
+            let (crust, kind) = self.crust((u, v), height, patch, edge);
+            colour = mixed(colour, kind, 0.85 * crust);
+            covered = crust;
         }
         if self.moss > 0.0 {
             let damp = self.damp.fbm(u, v, 2);
@@ -126,6 +109,31 @@ impl Cover {
             covered = lerp(covered, 1.0, amount);
         }
         (colour, covered)
+    }
+
+    /// How much of a point is under lichen, and the lichen's colour there.
+    fn crust(&self, (u, v): (f32, f32), height: f32, patch: f32, edge: f32) -> (f32, [f32; 3]) {
+        // Crusts sit on the heights, where there is light.
+        let lit = smoothstep(0.2, 0.4, height);
+        let grown = smoothstep(-0.2 - self.lichen, 0.6 - self.lichen, patch);
+        if lit * grown <= 0.0 {
+            return (0.0, LICHEN[0]);
+        }
+        let (cell, [x, y]) = self.crust.at(u, v);
+        if cell.id >= 2.0 * self.lichen {
+            return (0.0, LICHEN[0]);
+        }
+        let draw = cell.draw(1.0);
+        let size = (0.25 + 0.75 * draw * draw) * grown;
+        let out = (x * x + y * y).sqrt() + 0.4 * edge;
+        let amount = (1.0 - smoothstep(0.75 * size, size, out))
+            * smoothstep(0.02, 0.1, size)
+            * smoothstep(0.0, 0.08, cell.border)
+            * lit
+            * (0.75 + 0.35 * edge).clamp(0.0, 1.0);
+        let shade = 0.85 + 0.25 * edge + 0.2 * (cell.draw(2.0) - 0.5);
+        let kind = LICHEN[usize::from(cell.draw(3.0) > 0.7)];
+        (amount, kind.map(|x| x * shade))
     }
 
     pub(super) fn roughness(bare: f32, covered: f32) -> f32 {

@@ -40,7 +40,7 @@ impl Smooth {
 
     pub(super) fn at(&self, u: f32, v: f32, patch: f32) -> Point {
         let (x, y) = self.bend.at(u, v);
-        let swell = self.swell.fbm(x, y, 3);
+        let swell = self.swell.fbm(x, y, 2);
         let grain = self.grain.fbm(u, v, 2);
         let streak = self.streak.fbm(x, y, 2);
         let eye = if self.scars > 0.0 {
