@@ -9,7 +9,7 @@ use crate::texture::noise::Periodic;
 /// Relief of a twig's skin, metres: lenticels and fine wrinkles.
 const SKIN_DEPTH_M: f32 = 0.0012;
 /// Crusts of lichen, linear: pale grey-green, and the yellow-green of some.
-const LICHEN: [[f32; 3]; 2] = [[0.26, 0.29, 0.23], [0.2, 0.21, 0.09]];
+const LICHEN: [[f32; 3]; 2] = [[0.26, 0.29, 0.23], [0.22, 0.24, 0.14]];
 /// Moss and green algae, linear.
 const MOSS: [f32; 3] = [0.045, 0.065, 0.018];
 /// Roughness of lichen and moss.
@@ -101,12 +101,15 @@ impl Cover {
             covered = crust;
         }
         if self.moss > 0.0 {
-            let damp = self.damp.fbm(u, v, 2);
             let low = 1.0 - smoothstep(0.0, 0.35 + 0.6 * self.moss, height + 0.2 * edge);
-            let amount = low * smoothstep(0.3 - 1.3 * self.moss, 1.3 - 1.3 * self.moss, 0.3 + damp);
-            let shade = 1.0 + 0.5 * edge;
-            colour = mixed(colour, MOSS.map(|x| x * shade), 0.85 * amount);
-            covered = lerp(covered, 1.0, amount);
+            if low > 0.0 {
+                let damp = 0.3 + self.damp.fbm(u, v, 2);
+                let dry = 0.3 - 1.3 * self.moss;
+                let amount = low * smoothstep(dry, dry + 1.0, damp);
+                let shade = 1.0 + 0.5 * edge;
+                colour = mixed(colour, MOSS.map(|x| x * shade), 0.85 * amount);
+                covered = lerp(covered, 1.0, amount);
+            }
         }
         (colour, covered)
     }
