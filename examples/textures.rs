@@ -1,4 +1,7 @@
-//! Draws barks and leaf cards as PNGs, to look at: `cargo run --release --example textures -- DIR`.
+//! Draws barks and leaf cards as PNGs, to look at:
+//! `cargo run --release --example textures -- DIR [NAME]`, where NAME is a part of a bark's name.
+
+mod barks;
 
 use std::error::Error;
 use std::path::Path;
@@ -6,22 +9,14 @@ use std::time::Instant;
 
 use pleach::image::{Image, Texel};
 use pleach::math::{Vec3, linear_from_srgb, srgb_from_linear};
-use pleach::species::schema::{
-    Arrangement, BarkArt, BarkPattern, Blade, LeafArt, LeafKind, LeafLook,
-};
+use pleach::species::schema::{Arrangement, Blade, LeafArt, LeafKind, LeafLook};
 use pleach::texture;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("which folder?")?;
     let folder = Path::new(&folder);
     std::fs::create_dir_all(folder)?;
-    for (name, art) in barks() {
-        let start = Instant::now();
-        let tile = texture::bark(&art, 7, 512);
-        println!("bark {name}: {:?}", start.elapsed());
-        save(folder, &format!("bark-{name}-lit"), &tile, 2, lit)?;
-        save(folder, &format!("bark-{name}-albedo"), &tile, 1, flat)?;
-    }
+    barks::sheet(folder, std::env::args().nth(2).as_deref())?;
     for (name, kind, size) in leaves() {
         let LeafLook::Drawn(art) = &kind.look else {
             continue;
@@ -75,34 +70,6 @@ fn save(
 fn hex(rgb: u32) -> [f32; 3] {
     let [_, r, g, b] = rgb.to_be_bytes();
     [r, g, b].map(linear_from_srgb)
-}
-
-fn barks() -> Vec<(&'static str, BarkArt)> {
-    let art = |pattern, light, dark, height_m, depth_m| BarkArt {
-        pattern,
-        light: hex(light),
-        dark: hex(dark),
-        height_m,
-        depth_m,
-    };
-    vec![
-        (
-            "poplar",
-            art(BarkPattern::Ridged, 0x8d_8373, 0x44_3b31, 0.8, 0.02),
-        ),
-        (
-            "olive",
-            art(BarkPattern::Gnarled, 0x96_9288, 0x57_5046, 0.6, 0.014),
-        ),
-        (
-            "beech",
-            art(BarkPattern::Smooth, 0x92_918b, 0x6c_6a62, 0.6, 0.003),
-        ),
-        (
-            "palm",
-            art(BarkPattern::Rings, 0x9b_9180, 0x5c_5144, 0.6, 0.008),
-        ),
-    ]
 }
 
 fn leaves() -> Vec<(&'static str, LeafKind, [u32; 2])> {

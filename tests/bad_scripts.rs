@@ -189,6 +189,21 @@ fn names_that_are_unknown_are_told_with_the_nearest() {
         &["unknown bark `Bumpy`", "Ridged, Gnarled"],
     );
     one_fault(
+        "height_m: 0.6, depth_m: 0.02",
+        "height_m: 0.6, scale: 0.2",
+        &["bark.scale", "did you mean `scales`? Fields of Gnarled"],
+    );
+    one_fault(
+        "height_m: 0.6, depth_m: 0.02",
+        "height_m: 0.6, peel: 0.2",
+        &["unknown field `peel` in Gnarled", "lichen, moss"],
+    );
+    one_fault(
+        "height_m: 0.6, depth_m: 0.02",
+        "height_m: 0.6, width_m: 45",
+        &["bark.width_m", "45 is out of range", "0.002 to 10 metres"],
+    );
+    one_fault(
         "arrangement: Opposite(",
         "arrangement: Oposite(",
         &["leaves[0].arrangement", "did you mean `Opposite`?"],

@@ -5,6 +5,7 @@
 //! A reader of our own, and not a `serde` one, because `serde` stops at the first fault, and because
 //! an editor that keeps comments needs the spans.
 
+mod bark;
 mod decode;
 pub mod edit;
 pub mod fault;

@@ -1,6 +1,8 @@
 //! What a species script says, as plain data. Lengths are metres and angles degrees *here* (they are
 //! what the author wrote); growth turns them into radians.
 
+pub use super::bark::{Bark, BarkArt, BarkPattern};
+
 /// The script format that this version reads and writes.
 pub const FORMAT: u32 = 1;
 
@@ -377,59 +379,6 @@ pub struct Blade {
     pub tooth_depth: f32,
     /// Side veins on each side.
     pub veins: u32,
-}
-
-/// Bark of all branches, seamless around the stem and along it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Bark {
-    /// Drawn from a description.
-    Drawn(BarkArt),
-    /// An image file that repeats in both directions.
-    Image {
-        /// Path of the albedo image.
-        path: String,
-        /// Real height of one repeat, metres.
-        height_m: f32,
-    },
-}
-
-/// A procedural bark.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BarkArt {
-    /// The pattern.
-    pub pattern: BarkPattern,
-    /// Colour of the ridges, linear.
-    pub light: [f32; 3],
-    /// Colour of the furrows, linear.
-    pub dark: [f32; 3],
-    /// Real height of one repeat along the stem, metres. One repeat around is as wide as it is high.
-    pub height_m: f32,
-    /// Real depth of the relief, metres.
-    pub depth_m: f32,
-}
-
-impl Bark {
-    /// Real height of one repeat, metres.
-    #[must_use]
-    pub fn height_m(&self) -> f32 {
-        match self {
-            Self::Drawn(art) => art.height_m,
-            Self::Image { height_m, .. } => *height_m,
-        }
-    }
-}
-
-/// Families of bark relief.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BarkPattern {
-    /// Long interlaced ridges (poplar, oak, ash).
-    Ridged,
-    /// Short gnarled ridges and pits (olive).
-    Gnarled,
-    /// Nearly smooth with fine wrinkles (beech, young stems).
-    Smooth,
-    /// Rings of old leaf scars (palms).
-    Rings,
 }
 
 /// How the LOD chain is made.

@@ -29,8 +29,20 @@ pub(super) struct Cell {
     pub(super) centre: f32,
     /// Distance to the nearest border with another cell.
     pub(super) border: f32,
+    /// How much the nearest border runs across the stem: 0 along it ..= 1 straight across.
+    pub(super) across: f32,
+    /// Place relative to the cell's centre: x around, y up.
+    pub(super) from_centre: [f32; 2],
     /// A random number of the cell, 0..1.
     pub(super) id: f32,
+}
+
+impl Cell {
+    /// Another random number of the cell, 0..1, one for each `which` up to 100 or so.
+    pub(super) fn draw(&self, which: f32) -> f32 {
+        let spread = self.id * (57.31 + 13.7 * which);
+        spread - floor(spread)
+    }
 }
 
 impl Periodic {
@@ -47,15 +59,19 @@ impl Periodic {
         self.period
     }
 
+    /// A random number, 0..1, of two whole numbers.
+    pub(super) fn draw(&self, column: u32, row: u32) -> f32 {
+        unit_from_bits(scramble(self.hash(column, row)))
+    }
+
     /// Gradient noise at the tile position (u, v), about -1..1.
     pub(super) fn at(&self, u: f32, v: f32) -> f32 {
         let (x0, x1, fx) = wrapped(u, self.period[0]);
         let (y0, y1, fy) = wrapped(v, self.period[1]);
         let corner = |x: u32, y: u32, dx: f32, dy: f32| {
-            let bits = self.hash(x, y);
-            // Two 16-bit parts as a gradient in the square: uneven lengths hide the lattice.
-            let part = |bits: u32| unit_from_bits(bits << 16) * 2.0 - 1.0;
-            part(bits) * dx + part(bits >> 16) * dy
+            // Two signed 16-bit parts as a gradient in the square: uneven lengths hide the lattice.
+            let bits = self.hash(x, y).cast_signed();
+            ((bits << 16) >> 16) as f32 * dx + (bits >> 16) as f32 * dy
         };
         let low = mix(
             corner(x0, y0, fx, fy),
@@ -68,7 +84,7 @@ impl Periodic {
             fade(fx),
         );
         // 1.7 brings the usual extremes near -1 and 1.
-        1.7 * mix(low, high, fade(fy))
+        (1.7 / 32_768.0) * mix(low, high, fade(fy))
     }
 
     /// Sum of `octaves` fields, each twice as fine and half as strong; about -1..1.
@@ -114,16 +130,23 @@ impl Periodic {
         // The nearest border need not be the one with the second nearest cell; taking that one
         // would leave steps where the second nearest changes.
         let mut border = f32::INFINITY;
+        let mut across = 0.0;
         for &(square, x, y) in &centres {
             let (dx, dy) = (x - first.1, y - first.2);
             let apart = dx * dx + dy * dy;
             if apart > 0.0 {
-                border = border.min((square - first.0) / (2.0 * apart.sqrt()));
+                let distance = (square - first.0) / (2.0 * apart.sqrt());
+                if distance < border {
+                    border = distance;
+                    across = dy * dy / apart;
+                }
             }
         }
         Cell {
             centre: first.0.sqrt(),
             border,
+            across,
+            from_centre: [-first.1, -first.2],
             id: unit_from_bits(scramble(first_bits)),
         }
     }
@@ -149,7 +172,7 @@ fn wrapped(position: f32, period: u32) -> (u32, u32, f32) {
     clippy::cast_possible_truncation,
     reason = "positions are a few tiles at most"
 )]
-fn floor(x: f32) -> f32 {
+pub(super) fn floor(x: f32) -> f32 {
     let whole = x as i32 as f32;
     if whole > x { whole - 1.0 } else { whole }
 }

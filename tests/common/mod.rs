@@ -353,11 +353,23 @@ fn leaf(name: &str, fold_deg: f32, length_m: f32) -> LeafKind {
 
 fn bark() -> Bark {
     Bark::Drawn(BarkArt {
-        pattern: BarkPattern::Smooth,
+        pattern: BarkPattern::Smooth {
+            wrinkles: 0.3,
+            lenticels: 0.2,
+            scars: 0.1,
+        },
         light: [0.4, 0.35, 0.3],
         dark: [0.1, 0.08, 0.06],
+        accent: [0.05, 0.04, 0.03],
+        young: [0.2, 0.2, 0.1],
         height_m: 0.5,
         depth_m: 0.01,
+        width_m: 0.1,
+        length_m: 0.1,
+        age: 1.0,
+        roughness: 0.8,
+        lichen: 0.0,
+        moss: 0.0,
     })
 }
 

@@ -4,16 +4,19 @@
 //! from here, so what stands here is what holds. Defaults are written as they would be in a script.
 //! Ranges are wide: they refuse what can only be a slip, or what would never finish.
 
+mod barks;
 mod levels;
 mod looks;
 mod species;
 
+pub use barks::{
+    BANDED, BARK_IMAGE, BARKS, FIBROUS, GNARLED, LATTICE, MOSAIC, PAPERY, PLATES, RIDGED, RINGS,
+    SMOOTH,
+};
 pub use levels::{
     ANGLE, BRANCH, ENVELOPE, FACTOR_PARTS, FLARE, FLUTES, LEAVES, LEVELS, NOT_FOR_TRUNK,
 };
-pub use looks::{
-    ALTERNATE, ARRANGEMENTS, BARK, BARK_IMAGE, BARKS, BLADE, DRAWN_LEAF, LEAF, OPPOSITE,
-};
+pub use looks::{ALTERNATE, ARRANGEMENTS, BLADE, DRAWN_LEAF, LEAF, OPPOSITE};
 pub use species::{
     CLOSED_FORMS, HABITS, KNOTS, LOD, SELECTORS, SIMPLIFICATIONS, SPECIES, SPLINE, STEMS, VARIATION,
 };
@@ -172,7 +175,16 @@ pub static TABLES: &[&Table] = &[
     &SPECIES,
     &VARIATION,
     &STEMS,
-    &BARK,
+    &RIDGED,
+    &GNARLED,
+    &SMOOTH,
+    &PAPERY,
+    &BANDED,
+    &PLATES,
+    &MOSAIC,
+    &FIBROUS,
+    &RINGS,
+    &LATTICE,
     &BARK_IMAGE,
     &SPLINE,
     &LEAF,

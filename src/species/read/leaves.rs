@@ -1,12 +1,10 @@
-//! Leaf kinds and bark.
+//! Leaf kinds.
 
 use super::Reader;
 use super::shape::Names;
-use crate::species::decode::{Fields, Report, Value, with_nearest};
-use crate::species::fields::{self, ARRANGEMENTS, BARKS};
-use crate::species::schema::{
-    Arrangement, Bark, BarkArt, BarkPattern, Blade, LeafArt, LeafKind, LeafLook,
-};
+use crate::species::decode::{Fields, Report, Value};
+use crate::species::fields::{self, ARRANGEMENTS};
+use crate::species::schema::{Arrangement, Blade, LeafArt, LeafKind, LeafLook};
 
 /// All leaf kinds, and their names.
 pub(super) fn leaves<'n>(reader: &mut Reader<'_>, root: &Fields<'n>) -> (Vec<LeafKind>, Names<'n>) {
@@ -103,60 +101,4 @@ fn blade(out: &mut Report, value: &Value<'_>) -> Blade {
         tooth_depth: fields.number(out, "tooth_depth"),
         veins: fields.whole(out, "veins"),
     }
-}
-
-/// The bark of a species.
-pub(super) fn bark(reader: &mut Reader<'_>, root: &Fields<'_>) -> Bark {
-    // An image is looked for on disk, which the default never is.
-    if let Some(value) = root.get("bark")
-        && value.variant() == Some("Image")
-    {
-        let fields = Fields::open(&mut reader.out, value, &fields::BARK_IMAGE);
-        fields.require(&mut reader.out, "path");
-        return Bark::Image {
-            path: reader.image(&fields, "path"),
-            height_m: fields.number(&mut reader.out, "height_m"),
-        };
-    }
-    let drawn = root.read(&mut reader.out, "bark", |out, value, _| drawn(out, value));
-    Bark::Drawn(drawn.unwrap_or(BarkArt {
-        pattern: BarkPattern::Smooth,
-        light: [0.0; 3],
-        dark: [0.0; 3],
-        height_m: 1.0,
-        depth_m: 0.0,
-    }))
-}
-
-fn drawn(out: &mut Report, value: &Value<'_>) -> Option<BarkArt> {
-    let Some(name) = value.variant() else {
-        value.mismatch(out, &format!("a bark, one of {}", BARKS.join(", ")));
-        return None;
-    };
-    let pattern = match name {
-        "Ridged" => BarkPattern::Ridged,
-        "Gnarled" => BarkPattern::Gnarled,
-        "Smooth" => BarkPattern::Smooth,
-        "Rings" => BarkPattern::Rings,
-        _ => {
-            let message = format!(
-                "unknown bark `{name}`; expected one of {}",
-                BARKS.join(", ")
-            );
-            out.push(with_nearest(
-                value.fault(message),
-                name,
-                BARKS.iter().copied(),
-            ));
-            return None;
-        }
-    };
-    let fields = Fields::open(out, value.clone(), &fields::BARK);
-    Some(BarkArt {
-        pattern,
-        light: fields.colour(out, "light"),
-        dark: fields.colour(out, "dark"),
-        height_m: fields.number(out, "height_m"),
-        depth_m: fields.number(out, "depth_m"),
-    })
 }

@@ -1,5 +1,6 @@
 //! A species from the tree of its script, with every fault that the script has.
 
+mod bark;
 mod leaves;
 mod levels;
 mod lod;
@@ -109,7 +110,7 @@ fn species(reader: &mut Reader<'_>, node: &Node) -> Option<Species> {
     let habit = habit(out, &root).unwrap_or_default();
     let variations = variations(out, &root);
     let stems = root.get("stems").map(|value| stems(out, value));
-    let bark = leaves::bark(reader, &root);
+    let bark = bark::bark(reader, &root);
     let (splines, spline_names) = splines::splines(reader, &root);
     let (leaves, leaf_names) = leaves::leaves(reader, &root);
     let known = levels::Known {

@@ -1,7 +1,9 @@
 use super::*;
 use crate::math::linear_from_srgb;
+
+use crate::species::fields::BARKS;
 use crate::species::files::NoFiles;
-use crate::species::schema::{Curve, Knots, LevelKind, Lod, Param, Size};
+use crate::species::schema::{Bark, BarkPattern, Curve, Knots, LevelKind, Lod, Param, Size};
 
 fn read(source: &str) -> Species {
     parse("test.ron", source, &NoFiles).unwrap_or_else(|faults| panic!("{faults}"))
@@ -84,9 +86,42 @@ fn a_number_where_an_angle_may_be_stands_for_a_fixed_one() {
 }
 
 #[test]
+fn every_bark_is_usual_where_the_script_says_no_more_than_its_name() {
+    let mut seen = Vec::new();
+    for name in BARKS.iter().filter(|name| **name != "Image") {
+        let source = LEAST.replacen("(format", &format!("(bark: {name}, format"), 1);
+        let Bark::Drawn(bark) = read(&source).bark else {
+            panic!("no drawn bark")
+        };
+        let pattern = format!("{:?}", bark.pattern);
+        assert!(pattern.starts_with(name), "{name} is read as {pattern}");
+        // Four parts to a repeat at least, so that it does not show.
+        let most = bark.height_m / 2.0;
+        assert!(bark.width_m <= most && bark.length_m <= most, "{bark:?}");
+        assert!(bark.depth_m < bark.width_m, "{bark:?}");
+        assert_eq!((bark.age, bark.lichen, bark.moss), (1.0, 0.0, 0.0));
+        seen.push(bark);
+    }
+    assert_eq!(seen.len(), 10);
+}
+
+#[test]
+fn a_bark_takes_what_the_script_says() {
+    let bark = "Plates(flakes: 0.25, lift: 0.75, width_m: 0.02, age: 0.5, lichen: 0.1, moss: 0.2)";
+    let source = LEAST.replacen("(format", &format!("(bark: {bark}, format"), 1);
+    let Bark::Drawn(bark) = read(&source).bark else {
+        panic!("no drawn bark")
+    };
+    let (flakes, lift) = (0.25, 0.75);
+    assert_eq!(bark.pattern, BarkPattern::Plates { flakes, lift });
+    assert_eq!((bark.width_m, bark.age), (0.02, 0.5));
+    assert_eq!((bark.lichen, bark.moss), (0.1, 0.2));
+}
+
+#[test]
 fn colours_become_linear() {
     let source = LEAST.replacen("(format", "(bark: Smooth(light: \"#ff8000\"), format", 1);
-    let super::super::schema::Bark::Drawn(bark) = read(&source).bark else {
+    let Bark::Drawn(bark) = read(&source).bark else {
         panic!("no drawn bark")
     };
     assert_eq!(bark.light, [1.0, linear_from_srgb(0x80), 0.0]);
