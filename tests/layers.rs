@@ -36,6 +36,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("files", &["pack"]),
     ("LODs judged", &["evaluate"]),
+    (
+        "trees measured as in a forest; others' parameters",
+        &["survey", "import"],
+    ),
     ("many trees", &["batch"]),
     ("a window on a tree", &["viewer"]),
     ("faces", &["cli"]),
