@@ -6,6 +6,10 @@ use super::words::angle;
 use crate::math::{float, round_to_u32};
 use crate::species::schema::Curve;
 
+/// Height over the ground at which hanging branches end at the least, as a part of the tree's scale.
+const CLEAR: f32 = 0.13;
+/// What is left of heights by chance, of angles and of bends.
+const UPRIGHT: f32 = 0.9;
 /// Positions at which laws over the parent are kept.
 const STEPS: u32 = 5;
 
@@ -30,14 +34,15 @@ impl Planner<'_> {
                 let scale = if level == 1 {
                     let mut ratio = shape_ratio(shape, 1.0 - way);
                     if p.get("PruneRatio") > 0.0 {
-                        let height = tree * (self.base() + (1.0 - self.base()) * x);
-                        let down = down_angle(p.of(1, "DownAngle"), p.of(1, "DownAngleV"), way);
+                        let (sine, cosine) = libm::sincosf(self.lean().to_radians());
+                        let along = tree * (1.0 - self.base()) * x;
+                        let foot = (along * sine, tree * self.base() + along * cosine);
                         let length = tree * p.of(1, "Length") * ratio;
-                        ratio *= pruned(p, height, length, bent, down);
+                        ratio *= pruned(p, foot, length, bent, self.limb_down(way));
                     }
-                    ratio
+                    ratio * self.low_limb(way)
                 } else {
-                    (1.0 - 0.6 * x) * self.above_ground(level, x)
+                    (1.0 - 0.6 * x) * if level == 2 { self.hanging(x) } else { 1.0 }
                 };
                 (x, scale.max(0.05))
             })
@@ -49,26 +54,67 @@ impl Planner<'_> {
         if self.leaders > 1 { self.bole } else { 0.0 }
     }
 
-    /// Part of its length at which a branch that hangs from a low limb ends above the ground.
-    pub(super) fn above_ground(&self, level: usize, x: f32) -> f32 {
+    /// True if branches on limbs hang down.
+    fn weeps(&self) -> bool {
+        self.p.get("AttractionUp") < -0.5 && self.p.get("Levels") > 2.5
+    }
+
+    /// Angle from the upright of a limb on the outer side of its leader or trunk, degrees.
+    fn limb_down(&self, way: f32) -> f32 {
+        let (down, vary) = (self.p.of(1, "DownAngle"), self.p.of(1, "DownAngleV"));
+        self.lean() + down_angle(down, vary, way)
+    }
+
+    /// A limb part of the way up the crown: height of its foot, its length, and how high each part of its way
+    /// lies above the foot, metres.
+    fn limb(&self, way: f32) -> (f32, f32, Vec<f32>) {
         let p = self.p;
-        if level != 2 || p.get("AttractionUp") >= -0.5 {
+        let tree = p.get("Scale") * p.get("ZScale") * p.of(0, "Length");
+        let place = self.start(1) + (1.0 - self.start(1)) * way;
+        let upright = libm::cosf(self.lean().to_radians());
+        let foot = tree * (self.base() + (1.0 - self.base()) * place * upright);
+        let down = self.limb_down(way);
+        let shape = round_to_u32(p.get("Shape"));
+        let length = tree * p.of(1, "Length") * shape_ratio(shape, 1.0 - way);
+        let points = leaving(&bends(p, 1), down);
+        let rises = points.iter().map(|point| point.1 * length).collect();
+        (foot, length, rises)
+    }
+
+    /// Part of its length at which a branch that hangs from a limb in the middle of the crown, at `x` of the
+    /// limb's way, ends above the ground.
+    fn hanging(&self, x: f32) -> f32 {
+        if !self.weeps() {
             return 1.0;
         }
-        let tree = p.get("Scale") * p.get("ZScale") * p.of(0, "Length");
-        // A limb a fifth of the way up the crown stands for the lower ones.
-        let way = 0.2;
-        let place = self.start(1) + (1.0 - self.start(1)) * way;
-        let foot = tree * (self.base() + (1.0 - self.base()) * place);
-        let down = down_angle(p.of(1, "DownAngle"), p.of(1, "DownAngleV"), way);
-        let limb = tree * p.of(1, "Length") * shape_ratio(round_to_u32(p.get("Shape")), 1.0 - way);
-        let points = leaving(&bends(p, 1), down);
-        let last = u32::try_from(points.len() - 1).unwrap_or(1);
-        let index = round_to_u32(x * float(last)).min(last) as usize;
-        let height = foot + points.get(index).map_or(0.0, |point| point.1) * limb;
-        let free = 0.9 * height - p.get("BaseSize").max(0.08) * p.get("Scale");
-        let hanging = limb * p.of(2, "Length") * (1.0 - 0.6 * x);
-        (free / hanging.max(1e-3)).clamp(0.1, 1.0)
+        let (foot, length, rises) = self.limb(0.5);
+        let free = UPRIGHT * (foot + at(&rises, x)) - self.clear();
+        (free / self.longest(length, x).max(1e-3)).clamp(0.1, 1.0)
+    }
+
+    /// Part of its size at which a limb below the middle of the crown keeps what hangs on it off the ground.
+    fn low_limb(&self, way: f32) -> f32 {
+        if !self.weeps() || way >= 0.5 {
+            return 1.0;
+        }
+        let (foot, length, rises) = self.limb(way);
+        let fits = |x: f32| {
+            let hangs = self.longest(length, x) * self.hanging(x) - UPRIGHT * at(&rises, x);
+            let free = UPRIGHT * foot - self.clear();
+            if hangs > free { free / hangs } else { 1.0 }
+        };
+        let least = (1..=5_u8).map(|fifth| fits(f32::from(fifth) * 0.2));
+        least.fold(1.0, f32::min).max(0.1)
+    }
+
+    /// Length of a branch at `x` of the way of a limb of this length, with the leaves at its end.
+    fn longest(&self, limb: f32, x: f32) -> f32 {
+        let longest = self.length_of_parent(2, self.p.of(2, "Length"));
+        limb * longest * (1.0 - 0.6 * x) * 1.1
+    }
+
+    fn clear(&self) -> f32 {
+        self.p.get("BaseSize").max(CLEAR) * self.p.get("Scale")
     }
 
     /// Thickness beside `radius_of_parent`: the model's radius goes with a power of the length, and not with
@@ -114,4 +160,11 @@ impl Planner<'_> {
             angle(&[(0.0, down)], vary)
         }
     }
+}
+
+/// The value at part `x` of a list's length.
+fn at(list: &[f32], x: f32) -> f32 {
+    let last = u32::try_from(list.len().saturating_sub(1)).unwrap_or(0);
+    let index = round_to_u32(x * float(last)).min(last) as usize;
+    list.get(index).copied().unwrap_or(0.0)
 }

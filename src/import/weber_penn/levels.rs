@@ -149,9 +149,7 @@ impl Planner<'_> {
     /// Base splits: stems that go on where the bole ends.
     pub(super) fn leaders(&mut self) {
         let p = self.p;
-        // Turns by chance drive stems of theirs apart; here the leaders' own angle has to.
-        let wander = p.of(0, "CurveV").abs() / 8.0;
-        let down = (p.of(0, "SplitAngle").abs() + wander).clamp(8.0, 80.0);
+        let down = self.lean();
         let whole = 1.0 / self.bole;
         let fields = vec![
             ("name", quoted("leaders")),
@@ -291,10 +289,21 @@ impl Planner<'_> {
         number.round().max(1.0)
     }
 
-    /// How many times as many children stems of a level carry for their splits.
+    /// Angle of the leaders from the upright, degrees.
+    pub(super) fn lean(&self) -> f32 {
+        if self.leaders == 1 {
+            return 0.0;
+        }
+        // Turns by chance drive stems of theirs apart; here the leaders' own angle has to.
+        let wander = self.p.of(0, "CurveV").abs() / 8.0;
+        (self.p.of(0, "SplitAngle").abs() + wander).clamp(8.0, 80.0)
+    }
+
+    /// How many times as many children stems of a level carry for their splits, and how much longer ones: what
+    /// clones of theirs would spread over their width.
     pub(super) fn forks(&self, level: usize) -> f32 {
         let splits = self.p.of(level, "SegSplits") * self.p.of(level, "CurveRes") * 0.5;
-        (1.0 + splits).clamp(1.0, 2.0)
+        (1.0 + splits).clamp(1.0, 2.5).sqrt()
     }
 
     /// First position on the parent: above the bare bole on the trunk. Other branches are bare near their
@@ -312,10 +321,10 @@ impl Planner<'_> {
 
     /// Limbs of leaders are as long as on a whole trunk.
     pub(super) fn length_of_parent(&self, level: usize, lengths: f32) -> f32 {
-        if level == 1 && self.leaders > 1 {
-            lengths / (1.0 - self.bole)
-        } else {
-            lengths
+        match level {
+            1 if self.leaders > 1 => lengths / (1.0 - self.bole),
+            1 => lengths,
+            _ => lengths * self.forks(level - 1),
         }
     }
 

@@ -8,9 +8,9 @@
 //!   laws of lengths become our `scale` over the position on the parent, and leaves are made larger by what
 //!   the scales take from them in the mean.
 //! - Stems of theirs split (`SegSplits`, `BaseSplits`); ours do not. Base splits become leaders, a level of its
-//!   own on a short bole. Other splits become more branches of the next level.
-//! - Their pruning looks at each stem where it stands. Here it is worked out once, on an upright trunk, and
-//!   becomes part of the limbs' `scale`.
+//!   own on a short bole. Other splits become more and longer branches of the next level.
+//! - Their pruning looks at each stem where it stands. Here it is worked out once for each height, and becomes
+//!   part of the limbs' `scale`.
 //! - Leaves stand on cards, several a card where there are many.
 
 mod arbaro;

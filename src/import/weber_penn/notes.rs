@@ -225,7 +225,7 @@ impl Planner<'_> {
         let splits: &[&str] = &["SegSplits", "SplitAngle", "SplitAngleV"];
         if forks > 1.0 {
             let text = format!(
-                "branches do not split here; they carry {} times as many",
+                "branches do not split here; they carry {} times as many, as much longer",
                 n(forks)
             );
             self.of_level(Mark::Approximated, level, splits, text);
@@ -257,11 +257,13 @@ impl Planner<'_> {
         if up == 0.0 || levels < 3 {
             self.general(Mark::Ignored, &["AttractionUp"], "no level feels it");
         } else {
-            self.general(
-                Mark::Approximated,
-                &["AttractionUp"],
-                "tropism from the second level of branches on, a rigid turn, and a bend of their splines",
-            );
+            let text = if up < -0.5 {
+                "tropism from the second level of branches on, a rigid turn, and a bend of their splines; low \
+                 limbs are short, so that what hangs on them ends above the ground"
+            } else {
+                "tropism from the second level of branches on, a rigid turn, and a bend of their splines"
+            };
+            self.general(Mark::Approximated, &["AttractionUp"], text);
         }
         let prune = [
             "PruneRatio",
@@ -274,7 +276,7 @@ impl Planner<'_> {
             self.general(
                 Mark::Approximated,
                 &prune,
-                "scale of the limbs, as on an upright trunk; branches on them are not pruned",
+                "scale of the limbs, worked out once for each height; branches on them are not pruned",
             );
         } else {
             self.general(Mark::Ignored, &prune, "nothing is pruned at a ratio of 0");

@@ -106,10 +106,11 @@ pub(super) fn envelope(p: &Parameters, height: f32) -> f32 {
     part * p.get("PruneWidth")
 }
 
-/// Largest part of its length at which a limb at `height` stays within the envelope.
+/// Largest part of its length at which a limb stays within the envelope; its foot is at (distance from the
+/// axis, height).
 pub(super) fn pruned(
     p: &Parameters,
-    height: f32,
+    foot: (f32, f32),
     length: f32,
     bends: &[f32],
     down_deg: f32,
@@ -118,8 +119,11 @@ pub(super) fn pruned(
     let points = leaving(bends, down_deg);
     let inside = |factor: f32| {
         points.iter().skip(1).all(|(out, up)| {
-            let (out, up) = (out * length * factor, up * length * factor);
-            out.abs() <= scale * envelope(p, height + up)
+            let (out, up) = (
+                foot.0 + out * length * factor,
+                foot.1 + up * length * factor,
+            );
+            out.abs() <= scale * envelope(p, up)
         })
     };
     let longest = (1..=20)

@@ -120,16 +120,21 @@ fn block(out: &mut String, open: &str, fields: &[(&str, String)]) {
     }
     out.push_str(&format!("        {open}\n"));
     let mut line = String::new();
-    for field in fields.iter().flat_map(|field| parts(field)) {
-        if !line.is_empty() && 12 + line.len() + 2 + field.len() > WIDTH {
-            out.push_str(&format!("            {line}\n"));
-            line.clear();
+    for field in &fields {
+        let parts = parts(field);
+        for (index, part) in parts.iter().enumerate() {
+            // What takes several lines begins on one of its own.
+            let begins = index == 0 && parts.len() > 1;
+            if !line.is_empty() && (begins || 12 + line.len() + 2 + part.len() > WIDTH) {
+                out.push_str(&format!("            {line}\n"));
+                line.clear();
+            }
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line += part;
+            line.push(',');
         }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line += field;
-        line.push(',');
     }
     if !line.is_empty() {
         out.push_str(&format!("            {line}\n"));
