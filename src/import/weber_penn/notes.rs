@@ -121,34 +121,30 @@ impl Planner<'_> {
     }
 
     pub(super) fn bend_notes(&mut self, level: usize) {
-        let p = self.p;
-        self.of_level(
-            Mark::Used,
-            level,
-            &["CurveRes"],
-            "points of the spline, 2 to 8 segments",
-        );
+        let (segments, by_chance) = (self.p.of(level, "CurveRes"), self.p.of(level, "CurveV"));
+        if (2.0..=8.0).contains(&segments) {
+            self.of_level(Mark::Used, level, &["CurveRes"], "segments of the spline");
+        } else {
+            let text = "segments of the spline, 2 to 8";
+            self.of_level(Mark::Approximated, level, &["CurveRes"], text);
+        }
         self.of_level(
             Mark::Used,
             level,
             &["Curve", "CurveBack"],
             "bend of the spline",
         );
-        if p.of(level, "CurveV") < 0.0 {
-            self.of_level(
-                Mark::Approximated,
-                level,
-                &["CurveV"],
-                "gnarl; a helix has no counterpart",
-            );
+        let (mark, text) = if by_chance == 0.0 {
+            (Mark::Used, "no turns by chance")
+        } else if by_chance < 0.0 {
+            (Mark::Approximated, "gnarl; a helix has no counterpart")
         } else {
-            self.of_level(
+            (
                 Mark::Approximated,
-                level,
-                &["CurveV"],
                 "gnarl: points moved by chance, not turns added up",
-            );
-        }
+            )
+        };
+        self.of_level(mark, level, &["CurveV"], text);
     }
 
     pub(super) fn branch_notes(&mut self, level: usize, number: f32) {
@@ -225,7 +221,7 @@ impl Planner<'_> {
         let splits: &[&str] = &["SegSplits", "SplitAngle", "SplitAngleV"];
         if forks > 1.0 {
             let text = format!(
-                "branches do not split here; they carry {} times as many, as much longer",
+                "branches do not split here; they carry {} times as many, which are as much longer",
                 n(forks)
             );
             self.of_level(Mark::Approximated, level, splits, text);
