@@ -329,6 +329,14 @@ fn unknown_and_missing_parameters_are_warnings() {
 }
 
 #[test]
+fn a_tree_that_is_known_gets_its_botanical_name() {
+    let latin = |name: &str| grown(&published(name).1.script).0.latin;
+    assert_eq!(latin("quaking_aspen"), "Populus tremuloides");
+    assert_eq!(latin("weeping_willow"), "Salix babylonica");
+    assert_eq!(latin("black_tupelo"), "", "which the table does not have");
+}
+
+#[test]
 fn a_name_with_quotes_and_breaks_does_no_harm() {
     let text = small("").replace("name='Small'", "name='a \"b\" \\ &#10; ), x: ('");
     let (species, _) = grown(&import(&text).unwrap().script);

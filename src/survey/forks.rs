@@ -46,6 +46,7 @@ pub fn ratios(tree: &Tree) -> Vec<(f32, u64)> {
 /// Part of the forks whose ratio is within `low..=high`; `None` without forks.
 #[must_use]
 #[expect(clippy::cast_precision_loss, reason = "a part needs no more digits")]
+#[expect(clippy::cast_possible_truncation, reason = "a part of one")]
 pub fn part_within(ratios: &[(f32, u64)], low: f32, high: f32) -> Option<f32> {
     let total: u64 = ratios.iter().map(|r| r.1).sum();
     let within = ratios.iter().filter(|r| (low..=high).contains(&r.0));

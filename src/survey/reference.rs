@@ -233,6 +233,14 @@ pub fn of_latin(latin: &str) -> Option<&'static Reference> {
     all().iter().find(|r| plain(&r.latin) == wanted)
 }
 
+/// What is known of a species by its common name, whatever its capitals.
+#[must_use]
+pub fn of_common(common: &str) -> Option<&'static Reference> {
+    all()
+        .iter()
+        .find(|r| r.common.eq_ignore_ascii_case(common.trim()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -179,11 +179,12 @@ impl Walker<'_> {
             Part::Branch(branch) => {
                 self.wood(branch, place, depth > self.first);
                 // A stem that ends below breast height is measured on the limbs that go on there.
-                if !measured && depth <= self.first + 1 {
-                    if let Some(diameter) = diameter(branch, place, thickness) {
-                        self.found.diameters.push(diameter);
-                        measured = true;
-                    }
+                if !measured
+                    && depth <= self.first + 1
+                    && let Some(diameter) = diameter(branch, place, thickness)
+                {
+                    self.found.diameters.push(diameter);
+                    measured = true;
                 }
             }
         }

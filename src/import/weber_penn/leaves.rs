@@ -134,9 +134,11 @@ impl Planner<'_> {
             ("scale", format!("(at: {}, vary: 0.15)", n(grown.min(50.0)))),
             ("tropism", n(self.tropism(2))),
         ];
-        fields.retain(|field| {
-            !matches!((field.0, field.1.as_str()), ("tropism", "0"))
-                && !(fan && matches!(field.0, "jitter" | "spin"))
+        fields.retain(|(name, value)| match *name {
+            "tropism" => value != "0",
+            // A fan is even and flat.
+            "jitter" | "spin" => !fan,
+            _ => true,
         });
         let comment = match (folded, card.blades > 1.0) {
             (true, _) => format!(

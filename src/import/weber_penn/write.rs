@@ -4,6 +4,7 @@ use super::Parameters;
 use super::levels::{LevelText, Plan};
 use super::words::{n, quoted};
 use crate::import::Note;
+use crate::survey::reference;
 
 /// Columns of a line.
 const WIDTH: usize = 100;
@@ -23,7 +24,12 @@ pub(super) fn script(p: &Parameters, plan: &Plan, notes: &[Note]) -> String {
         comment(&mut out, "  ", &note.to_string());
     }
     out += "(\n    format: 1,\n";
-    out += &format!("    name: {},\n\n", quoted(&name));
+    out += &format!("    name: {},\n", quoted(&name));
+    if let Some(known) = reference::of_common(&name) {
+        // So that `pleach measure` finds it.
+        out += &format!("    latin: {},\n", quoted(&known.latin));
+    }
+    out.push('\n');
     out += "    seed: 1,\n\n";
     out += "    // The model knows neither bark nor colours: these are guesses by the name.\n";
     out += &format!("    bark: {},\n\n", super::dress::bark(&p.name));
