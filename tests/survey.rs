@@ -221,7 +221,7 @@ fn a_tropic_level_is_measured_as_it_stands() {
 fn olive(deviations: f32) -> Measures {
     let fit = of_latin("Olea europaea").unwrap().fit.clone().unwrap();
     Measures {
-        height_m: fit.ln_height.metres(60.0) * (deviations * fit.ln_height.2).exp(),
+        height_m: fit.ln_height.metres(60.0) * libm::expf(deviations * fit.ln_height.2),
         dbh_cm: Some(60.0),
         crown_width_m: Some(fit.ln_crown.metres(60.0)),
         leaves: 200_000,
