@@ -15,6 +15,8 @@ pub mod gpu;
 #[cfg(feature = "gpu")]
 pub mod gpu_bake;
 pub mod image;
+#[cfg(feature = "cli")]
+pub mod import;
 pub mod impostor;
 pub mod lod;
 pub mod math;
@@ -30,6 +32,7 @@ pub mod rng;
 pub mod shadow;
 pub mod species;
 pub mod spline;
+pub mod survey;
 pub mod texture;
 pub mod tree;
 #[cfg(feature = "preview")]

@@ -36,6 +36,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("files", &["pack"]),
     ("LODs judged", &["evaluate"]),
+    ("trees measured as in a forest", &["survey"]),
+    ("other programs' parameters", &["import"]),
     ("many trees", &["batch"]),
     ("a window on a tree", &["viewer"]),
     ("faces", &["cli"]),

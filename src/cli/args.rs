@@ -25,6 +25,10 @@ pub(crate) enum Command {
     Inspect(Inspect),
     /// Compare every LOD with the full tree, from views that nothing was fitted to.
     Evaluate(Evaluate),
+    /// Measure trees as a forester would, beside what is known of real ones.
+    Measure(Measure),
+    /// Turn another program's tree parameters into a species script.
+    Import(Import),
     /// Draw a script's tree or a pack: a still, all LODs, a turntable, a contact sheet. Needs no window.
     Render(Render),
     /// Show a script's tree or a pack in a window; a script is grown again whenever it is saved.
@@ -240,6 +244,46 @@ pub(crate) struct Evaluate {
     /// Print all figures to stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Measure {
+    /// Species script (RON). What is known of real trees is found by its `latin` name.
+    pub(crate) species: PathBuf,
+    /// Trees to grow: seeds 1 to N.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub(crate) seeds: u16,
+    /// Threads; all cores without. The figures do not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Print all figures, and each tree's, to stdout.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Import {
+    #[command(subcommand)]
+    pub(crate) from: Source,
+}
+
+/// Whose parameters are turned into a script.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Source {
+    /// Weber and Penn's model (SIGGRAPH 95), in the XML form of the program Arbaro.
+    WeberPenn(WeberPenn),
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct WeberPenn {
+    /// Parameters: XML of the form `<arbaro><species name='...'><param name='...' value='...'/>`.
+    pub(crate) file: PathBuf,
+    /// Script to write; to stdout without.
+    #[arg(long, value_name = "SPECIES.ron")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace a script that is there.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -5,7 +5,9 @@ mod batch;
 mod check;
 mod evaluate;
 mod generate;
+mod import;
 mod inspect;
+mod measure;
 mod preview;
 mod progress;
 mod render;
@@ -102,6 +104,8 @@ pub fn main() -> ExitCode {
         args::Command::Batch(args) => batch::run(args),
         args::Command::Check(args) => check::run(args),
         args::Command::Inspect(args) => inspect::run(args),
+        args::Command::Measure(args) => measure::run(args),
+        args::Command::Import(args) => import::run(args),
         args::Command::Render(args) => render::run(args),
         args::Command::Preview(args) => preview::run(args),
     };
