@@ -250,6 +250,8 @@ pub(crate) struct Evaluate {
 pub(crate) struct Measure {
     /// Species script (RON). What is known of real trees is found by its `latin` name.
     pub(crate) species: PathBuf,
+    #[command(flatten)]
+    pub(crate) changes: Changes,
     /// Trees to grow: seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub(crate) seeds: u16,

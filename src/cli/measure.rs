@@ -13,7 +13,7 @@ use std::time::Instant;
 pub(crate) fn run(args: &Measure) -> Result<End, Failure> {
     let begun = Instant::now();
     super::use_threads(args.threads.map(usize::from))?;
-    let script = super::read_script(&args.species)?;
+    let script = super::read_script(&args.species, &args.changes)?;
     let species = &script.species;
     let foliage = survey::foliage(species, &script.files).map_err(Failure::input)?;
     let seeds: Vec<u64> = (1..=u64::from(args.seeds)).collect();
