@@ -40,7 +40,7 @@ const GOOD: &str = r##"(
   leaves: [
     (name: "sprig", length_m: 0.16, width_m: 0.07, fold_deg: 20,
      arrangement: Opposite(pairs: 6, angle_deg: 50, blade: 0.35),
-     blade: (width: 0.2, widest: 0.5, sharpness: 0.7, teeth: 0, tooth_depth: 0, veins: 6),
+     blade: (width: 0.2, widest: 0.5, sharpness: 0.7, margin: Entire, veins: Pinnate(pairs: 6)),
      colour: "#455f34", colour_vary: 0.12, stalk_colour: "#6b5b43", gloss: 0.4, translucency: 0.2),
     (name: "photo", length_m: 0.1, width_m: 0.05, image: "leaf.png"),
   ],

@@ -4,16 +4,21 @@
 //! from here, so what stands here is what holds. Defaults are written as they would be in a script.
 //! Ranges are wide: they refuse what can only be a slip, or what would never finish.
 
+mod leaves;
 mod levels;
 mod looks;
 mod species;
 
+pub use leaves::{
+    ALTERNATE, ARRANGEMENTS, BIPINNATE, BLADE, BRUSH, DRAWN_LEAF, FLOWERS, FORMS, LEAF, LOBES,
+    LOOPING_VEINS, MARGIN, MARGINS, OPPOSITE, PALMATE_LEAF, PALMATE_LOBES, PALMATE_VEINS,
+    PARALLEL_VEINS, PINNATE_LEAF, PINNATE_LOBES, PINNATE_VEINS, SCALES, SEASON, SEASONS, SPRAY,
+    TISSUES, TUFTS, VEINS,
+};
 pub use levels::{
     ANGLE, BRANCH, ENVELOPE, FACTOR_PARTS, FLARE, FLUTES, LEAVES, LEVELS, NOT_FOR_TRUNK,
 };
-pub use looks::{
-    ALTERNATE, ARRANGEMENTS, BARK, BARK_IMAGE, BARKS, BLADE, DRAWN_LEAF, LEAF, OPPOSITE,
-};
+pub use looks::{BARK, BARK_IMAGE, BARKS};
 pub use species::{CLOSED_FORMS, KNOTS, LOD, SELECTORS, SIMPLIFICATIONS, SPECIES, SPLINE, STEMS};
 
 /// Fields of one kind of struct.
@@ -175,7 +180,22 @@ pub static TABLES: &[&Table] = &[
     &LEAF,
     &OPPOSITE,
     &ALTERNATE,
+    &BRUSH,
+    &TUFTS,
+    &SCALES,
+    &SPRAY,
+    &PINNATE_LEAF,
+    &BIPINNATE,
+    &PALMATE_LEAF,
     &BLADE,
+    &MARGIN,
+    &PINNATE_LOBES,
+    &PALMATE_LOBES,
+    &PINNATE_VEINS,
+    &LOOPING_VEINS,
+    &PALMATE_VEINS,
+    &PARALLEL_VEINS,
+    &FLOWERS,
     &BRANCH,
     &LEAVES,
     &ENVELOPE,
