@@ -58,7 +58,9 @@ fn toothed(run: &Run, margin: &Margin, teeth: u32, half: f32) -> Vec<Vec2> {
             let after = smooth[(i + 1).min(steps as usize)];
             let tangent = (after - before).normalize_or(Vec2::X);
             let inward = tangent.perp() * -side;
-            let here = smoothstep(0.02, 0.14, way) * (1.0 - smoothstep(0.94, 1.0, way));
+            // The first tooth of a run is slight: runs meet in the hollow without a step.
+            let first = smoothstep(0.1, 0.9, way * float(teeth));
+            let here = smoothstep(0.02, 0.14, way).min(first) * (1.0 - smoothstep(0.94, 1.0, way));
             // Narrow parts have small teeth: no tooth reaches the midrib.
             let room = (smooth[i].y.abs() / half.max(1e-6) * 1.6).min(1.0);
             let room = (depth * here * room).min(0.3 * (1.0 - way) * spacing * float(teeth));

@@ -18,6 +18,8 @@ const RUN_POINTS: u16 = 160;
 const RAYS: u16 = 720;
 /// Blends two lobes where they meet, in blade lengths: a cut ends round, not in a needle's eye.
 const SINUS: f32 = 0.018;
+/// Length of the lobe at the end of a blade, in lobes.
+const END_LOBE: f32 = 0.75;
 /// Added to the exponent of a fully drawn-out end.
 const DRAWN_OUT: f32 = 2.6;
 
@@ -112,22 +114,7 @@ fn profile((a, b): (f32, f32), u: f32) -> f32 {
 /// The right half of a blade without palmate lobes, `y` positive, from the foot to the tip.
 fn side(blade: &Blade) -> Vec<Vec2> {
     let half = 0.5 * blade.width;
-    let exponents = exponents(blade, blade.widest);
-    // A factor that leaves the widest place alone and makes an end hollow: the power rises toward it.
-    let hollow = |way: f32, much: f32| {
-        let way = way.clamp(0.0, 1.0);
-        libm::powf(1.0 - way, DRAWN_OUT * much * way * way)
-    };
-    let width_at = |u: f32| {
-        let mut w = profile(exponents, u);
-        if blade.tip > 0.0 {
-            w *= hollow((u - blade.widest) / (1.0 - blade.widest), blade.tip);
-        }
-        if blade.base > 0.0 {
-            w *= hollow(1.0 - u / blade.widest, blade.base);
-        }
-        w
-    };
+    let width_at = width(blade);
     let steps = RUN_POINTS * 4;
     (0..=steps)
         .map(|i| {
@@ -139,6 +126,40 @@ fn side(blade: &Blade) -> Vec<Vec2> {
         .collect()
 }
 
+/// The ends of a pinnately lobed blade's lobes, `y` positive, from the foot on; none for other blades.
+pub(super) fn lobe_ends(blade: &Blade) -> Vec<Vec2> {
+    let Lobes::Pinnate { pairs, .. } = blade.lobes else {
+        return Vec::new();
+    };
+    let width_at = width(blade);
+    (0..pairs)
+        .map(|lobe| {
+            let u = (lobe as f32 + 0.5) / (pairs as f32 + END_LOBE);
+            shaped(blade, 0.5 * blade.width, u, width_at(u))
+        })
+        .collect()
+}
+
+/// The half width of a blade by place, in half widths, before it is lobed.
+fn width(blade: &Blade) -> impl Fn(f32) -> f32 + '_ {
+    let exponents = exponents(blade, blade.widest);
+    // A factor that leaves the widest place alone and makes an end hollow: the power rises toward it.
+    let hollow = move |way: f32, much: f32| {
+        let way = way.clamp(0.0, 1.0);
+        libm::powf(1.0 - way, DRAWN_OUT * much * way * way)
+    };
+    move |u: f32| {
+        let mut w = profile(exponents, u);
+        if blade.tip > 0.0 {
+            w *= hollow((u - blade.widest) / (1.0 - blade.widest), blade.tip);
+        }
+        if blade.base > 0.0 {
+            w *= hollow(1.0 - u / blade.widest, blade.base);
+        }
+        w
+    }
+}
+
 /// Lobes, ears, heart base and notch on a point of the profile; `w` in half widths.
 fn shaped(blade: &Blade, half: f32, u: f32, w: f32) -> Vec2 {
     let mut point = Vec2::new(u, half * w);
@@ -148,7 +169,7 @@ fn shaped(blade: &Blade, half: f32, u: f32, w: f32) -> Vec2 {
         sharp,
     } = blade.lobes
     {
-        let turns = u * (pairs as f32 + 0.5);
+        let turns = u * (pairs as f32 + END_LOBE);
         let wave = (0.5 - 0.5 * libm::cosf(2.0 * PI * turns)).clamp(0.0, 1.0);
         let round = lerp(
             1.0 - libm::powf(1.0 - wave, 2.4),
@@ -160,7 +181,7 @@ fn shaped(blade: &Blade, half: f32, u: f32, w: f32) -> Vec2 {
         let width = half * w;
         point.y = width * (1.0 - depth * (1.0 - round));
         // Lobes lean to the tip: their ends move on, the bottoms of the cuts stay.
-        point.x += 0.32 * (point.y - width * (1.0 - depth)).max(0.0) * (1.0 - u);
+        point.x += 0.5 * (point.y - width * (1.0 - depth)).max(0.0) * (1.0 - u);
     }
     if blade.auricles > 0.0 {
         let x = (u - 0.03) / 0.03;

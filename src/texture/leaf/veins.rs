@@ -4,7 +4,7 @@
 //! any outline: lobes, heart bases, oblique halves.
 
 use super::distance::Segment;
-use super::outline::axes;
+use super::outline::{axes, lobe_ends};
 use crate::math::{PI, Vec2, lerp};
 use crate::species::schema::{Blade, Lobes, Veins};
 
@@ -29,6 +29,10 @@ pub(super) fn veins(blade: &Blade, depth: &impl Fn(Vec2) -> f32) -> Vec<Segment>
         Veins::Midrib => {
             lines.main(0.0, 0.99);
         }
+        Veins::Pinnate { angle_deg, .. } if matches!(blade.lobes, Lobes::Pinnate { .. }) => {
+            lines.main(0.0, 0.97);
+            lines.lobe_veins(&lobe_ends(blade), angle_deg.to_radians());
+        }
         Veins::Pinnate { pairs, angle_deg } if !lobed => {
             let length = lines.main(0.0, 0.99);
             lines.sides(0.0, length, pairs, angle_deg.to_radians(), None);
@@ -43,7 +47,7 @@ pub(super) fn veins(blade: &Blade, depth: &impl Fn(Vec2) -> f32) -> Vec<Segment>
             lines.parallel(count);
         }
         Veins::Pinnate { pairs, .. } | Veins::Looping { pairs, .. } => {
-            lines.palmate(blade, 5, pairs)
+            lines.palmate(blade, 5, pairs);
         }
         Veins::Palmate { count, pairs } => lines.palmate(blade, count, pairs),
     }
@@ -102,6 +106,27 @@ impl<F: Fn(Vec2) -> f32> Lines<'_, F> {
                 // The upper ones are steeper.
                 let turn = axis + side * angle * lerp(1.1, 0.72, way);
                 self.side(start, turn, -side, length, gap, slim * lerp(1.0, 0.5, way));
+            }
+        }
+    }
+
+    /// A side vein to the end of each lobe.
+    fn lobe_veins(&mut self, ends: &[Vec2], angle: f32) {
+        // Lobes lie flatter than free side veins: so do those that run into them.
+        let cotangent = 0.6 / libm::tanf(angle.clamp(0.3, 1.5));
+        for end in ends {
+            let start = Vec2::new((end.x - cotangent * end.y).max(0.02), 0.0);
+            for side in [-1.0, 1.0] {
+                let points: Vec<Vec2> = (0..=16_u8)
+                    .map(|i| {
+                        let way = 0.94 * f32::from(i) / 16.0;
+                        let straight = start.lerp(*end, way);
+                        // Arched a little toward the tip.
+                        let arch = 0.05 * (end.y) * 4.0 * way * (1.0 - way);
+                        Vec2::new(straight.x - arch, side * straight.y)
+                    })
+                    .collect();
+                self.line(&points, [1.15 * SIDE[0], SIDE[1]]);
             }
         }
     }
