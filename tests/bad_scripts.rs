@@ -160,6 +160,41 @@ fn names_that_are_unknown_are_told_with_the_nearest() {
         &["leaves[0].arrangement", "did you mean `Opposite`?"],
     );
     one_fault(
+        "margin: Entire",
+        "margin: Serate(teeth: 20)",
+        &["leaves[0].blade.margin", "did you mean `Serrate`?"],
+    );
+    one_fault(
+        "margin: Entire",
+        "margin: Serrate(depth: 0.1)",
+        &["missing field `teeth` in Margin", "Teeth on each side"],
+    );
+    one_fault(
+        "margin: Entire",
+        "lobes: Palmate(count: 40)",
+        &["leaves[0].blade.lobes.count", "from 2 to 15"],
+    );
+    one_fault(
+        "veins: Pinnate(pairs: 6)",
+        "veins: 6",
+        &["leaves[0].blade.veins", "Midrib, Pinnate, Looping"],
+    );
+    one_fault(
+        "fold_deg: 20,",
+        "fold_deg: 20, season: Fall,",
+        &["leaves[0].season", "Spring, Summer, Autumn, Winter"],
+    );
+    one_fault(
+        "fold_deg: 20,",
+        "fold_deg: 20, season: 7,",
+        &["7 is out of range; expected 0 to 3"],
+    );
+    one_fault(
+        "fold_deg: 20,",
+        "fold_deg: 20, autumn: Yelow,",
+        &["leaves[0].autumn", "did you mean `Yellow`?"],
+    );
+    one_fault(
         "scale: Flame",
         "scale: Flam",
         &["unknown crown shape", "did you mean `Flame`?"],

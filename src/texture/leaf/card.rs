@@ -515,7 +515,9 @@ impl Plot<'_> {
         rank: f32,
         draws: &mut Pcg64Mcg,
     ) {
-        let pose = pose(foot, angle, length, self.art.colour_vary, draws);
+        let mut pose = pose(foot, angle, length, self.art.colour_vary, draws);
+        // Scales lie on their twig: nobody sees their undersides.
+        pose.underside &= !matches!(self.art.arrangement, Arrangement::Scales { .. });
         self.push(Shape::Blade(pose), Paint::Leaf, rank);
     }
 }

@@ -153,14 +153,12 @@ impl<F: Fn(Vec2) -> f32> Lines<'_, F> {
             if depth < 0.0 {
                 break;
             }
-            // A vein does not run into the next main vein's half.
-            if let Some(gap) = gap
-                && i > 2
-                && depth < gap
-            {
-                turn += bend * 0.34;
+            let near = gap.is_some_and(|gap| i > 2 && depth < gap);
+            if near || looped > 0 {
+                // Round inside the margin to meet the next vein, and no further.
+                turn += bend * 0.2;
                 looped += 1;
-                if looped > 5 {
+                if looped > 7 {
                     break;
                 }
             } else {
