@@ -4,12 +4,12 @@ mod common;
 
 use common::{Sketch, cases, grown, sketches, small};
 use pleach::capture::{
-    ALPHA_CUTOFF, Baked, Foliage, LeafArtwork, Plan, Settings, Source, Subject, Textures, VIEWS,
-    View, Visibility, bake,
+    Baked, Foliage, LeafArtwork, Plan, Settings, Source, Subject, Textures, VIEWS, View,
+    Visibility, bake,
 };
 use pleach::image::atlas::Rect;
 use pleach::image::dilate::dilate;
-use pleach::image::{Image, Texel, mips};
+use pleach::image::{Image, Texel};
 use pleach::impostor::cross_quad::RIGHT;
 use pleach::lod::State;
 use pleach::math::{Vec3, float};

@@ -4,16 +4,19 @@
 //! from here, so what stands here is what holds. Defaults are written as they would be in a script.
 //! Ranges are wide: they refuse what can only be a slip, or what would never finish.
 
+mod blades;
 mod leaves;
 mod levels;
 mod looks;
 mod species;
 
+pub use blades::{
+    BLADE, LOBES, LOOPING_VEINS, MARGIN, MARGINS, PALMATE_LOBES, PALMATE_VEINS, PARALLEL_VEINS,
+    PINNATE_LOBES, PINNATE_VEINS, VEINS,
+};
 pub use leaves::{
-    ALTERNATE, ARRANGEMENTS, BIPINNATE, BLADE, BRUSH, DRAWN_LEAF, FLOWERS, FORMS, LEAF, LOBES,
-    LOOPING_VEINS, MARGIN, MARGINS, OPPOSITE, PALMATE_LEAF, PALMATE_LOBES, PALMATE_VEINS,
-    PARALLEL_VEINS, PINNATE_LEAF, PINNATE_LOBES, PINNATE_VEINS, SCALES, SEASON, SEASONS, SPRAY,
-    TISSUES, TUFTS, VEINS,
+    ALTERNATE, ARRANGEMENTS, BIPINNATE, BRUSH, DRAWN_LEAF, FLOWERS, FORMS, LEAF, OPPOSITE,
+    PALMATE_LEAF, PINNATE_LEAF, SCALES, SEASON, SEASONS, SPRAY, TISSUES, TUFTS,
 };
 pub use levels::{
     ANGLE, BRANCH, ENVELOPE, FACTOR_PARTS, FLARE, FLUTES, LEAVES, LEVELS, NOT_FOR_TRUNK,
