@@ -368,7 +368,16 @@ impl<'a> Painter<'a> {
 
     fn on_stem(&self, paint: Paint, along: Vec2, across: f32, shaded: f32, mottle: f32) -> Sample {
         let wood = Vec3::from_array(self.art.stalk_colour) * (1.0 + 0.25 * mottle);
-        let green = self.palette.green() * Vec3::from_array(VEIN_TINT);
+        // Stalks turn last, as veins do.
+        let (tissue, _) = self.palette.at(&Spot {
+            along: 0.0,
+            edge: 0.0,
+            vein: 1.0,
+            noise: mottle,
+            haste: 0.0,
+            blight: 0.0,
+        });
+        let green = tissue * Vec3::from_array(VEIN_TINT);
         let (albedo, roughness) = match paint {
             Paint::Wood => (wood, 0.8),
             Paint::Eye => (Vec3::new(0.42, 0.24, 0.05), 0.8),

@@ -5,7 +5,7 @@
 //! across it to the left, all in parts of the blade's length. One half is made, as runs from a hollow
 //! (the base, or the bottom of a cut) to a tip (of a lobe, or of the blade); the other mirrors it.
 //!
-//! The profile is the beta function of Gielis-free leaf work: `w(u) ~ u^a (1-u)^b`. A palmate blade is
+//! The profile is a beta function, `w(u) ~ u^a (1-u)^b`. A palmate blade is
 //! the union of such profiles about the foot, in polar form: with `a <= 1` each is a star about it.
 
 use super::margin;
@@ -55,7 +55,7 @@ pub(super) fn polygon(blade: &Blade) -> Vec<Vec2> {
     let lift = |point: Vec2, sign: f32| {
         // One half begins lower along the midrib, and is a little fuller.
         let foot = (1.0 - point.x).max(0.0);
-        let low = 0.07 * blade.oblique * sign * foot * foot * smoothstep(0.0, 0.7, point.y / half);
+        let low = 0.11 * blade.oblique * sign * foot * foot * smoothstep(0.0, 0.7, point.y / half);
         Vec2::new(point.x - low, sign * point.y)
     };
     let mut polygon: Vec<Vec2> = toothed.iter().map(|&point| lift(point, -1.0)).collect();
@@ -134,7 +134,7 @@ pub(super) fn lobe_ends(blade: &Blade) -> Vec<Vec2> {
     let width_at = width(blade);
     (0..pairs)
         .map(|lobe| {
-            let u = (lobe as f32 + 0.5) / (pairs as f32 + END_LOBE);
+            let u = (lobe as f32 + 0.57) / (pairs as f32 + END_LOBE);
             shaped(blade, 0.5 * blade.width, u, width_at(u))
         })
         .collect()
