@@ -495,10 +495,12 @@ impl Plot<'_> {
                 1.0
             }
         };
+        let above = foot.y - self.card.border.y;
+        let slack = if above < 1e-3 { FOOT } else { 0.0 };
         let shrink = ratio(high.x - foot.x, side - foot.x)
             .min(ratio(foot.x - low.x, side + foot.x))
             .min(ratio(high.y - foot.y, 1.0 - self.card.border.y - foot.y))
-            .min(ratio(foot.y - low.y, foot.y - self.card.border.y + FOOT));
+            .min(ratio(foot.y - low.y, above + slack));
         if shrink < 1.0 {
             for element in &mut self.elements[first..] {
                 element.scale(foot, shrink * 0.999, Vec2::ZERO);

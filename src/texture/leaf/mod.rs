@@ -221,6 +221,15 @@ impl<'a> Painter<'a> {
                 tile(1.0 - high.y, size.y, tiles_down)..=tile(1.0 - low.y, size.y, tiles_down);
             for row in rows {
                 for column in columns.clone() {
+                    let middle = Vec2::new(
+                        (float(column) + 0.5) * size.x - self.half_width,
+                        1.0 - (float(row) + 0.5) * size.y,
+                    );
+                    // A blade seen aslant is a little nearer than its map says.
+                    let near = 1.25 * (0.5 * size.length() + pad.length());
+                    if element.outside(&self.maps, middle) > near {
+                        continue;
+                    }
                     let place = row as usize * self.tiles_across as usize + column as usize;
                     if let Some(list) = tiles.get_mut(place) {
                         list.push(index);

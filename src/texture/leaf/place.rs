@@ -176,6 +176,9 @@ impl Element {
                 let local = pose.local(point);
                 let map = &maps[pose.map];
                 let beyond = (map.low - local).max(local - map.high).max_element();
+                if beyond > PAD {
+                    return beyond * pose.length;
+                }
                 map.outside(local.x, local.y).max(beyond) * pose.length
             }
             Shape::Stem(stem) => stem.outside(point).0,
