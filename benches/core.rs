@@ -52,7 +52,7 @@ fn drawn(species: &Species) -> Drawn {
             panic!("the olive names no image");
         };
         let width = pleach::math::round_to_u32(float(512) * aspect);
-        (aspect, texture::leaf(kind, art, 1, width, 512))
+        (aspect, texture::leaf(kind, art, art.state, 1, width, 512))
     };
     Drawn(species.leaves.iter().map(card).collect())
 }

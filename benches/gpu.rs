@@ -79,7 +79,7 @@ impl Subject {
                 panic!("the olive's leaves are drawn");
             };
             let aspect = kind.width_m / kind.length_m;
-            (aspect, texture::leaf(kind, art, 2, 256, 256))
+            (aspect, texture::leaf(kind, art, art.state, 2, 256, 256))
         };
         let Bark::Drawn(art) = &species.bark else {
             panic!("the olive's bark is drawn");

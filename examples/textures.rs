@@ -1,5 +1,5 @@
-//! Draws barks and leaf cards as PNGs, to look at:
-//! `cargo run --release --example textures -- DIR [NAME]`, where NAME is a part of a bark's name.
+//! Draws barks and leaf cards as PNGs, to look at: `cargo run --release --example textures -- DIR [NAME...]`.
+//! Of barks those are drawn whose names hold the first name; leaf kinds that are named are drawn large as well.
 
 mod barks;
 
@@ -8,8 +8,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use pleach::image::{Image, Texel};
-use pleach::math::{Vec3, linear_from_srgb, srgb_from_linear};
-use pleach::species::schema::{Arrangement, Blade, LeafArt, LeafKind, LeafLook};
+use pleach::math::{Vec3, float, round_to_u32, srgb_from_linear};
+use pleach::species::schema::{LeafKind, LeafLook, LeafState, Species};
+use pleach::species::{self, NoFiles};
 use pleach::texture;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -17,18 +18,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(&folder);
     std::fs::create_dir_all(folder)?;
     barks::sheet(folder, std::env::args().nth(2).as_deref())?;
-    for (name, kind, size) in leaves() {
-        let LeafLook::Drawn(art) = &kind.look else {
-            continue;
-        };
-        let start = Instant::now();
-        let card = texture::leaf(&kind, art, 3, size[0], size[1]);
-        println!("leaf {name}: {:?}", start.elapsed());
-        save(folder, &format!("leaf-{name}-lit"), &card, 1, lit)?;
-        save(folder, &format!("leaf-{name}-albedo"), &card, 1, flat)?;
-        save(folder, &format!("leaf-{name}-normal"), &card, 1, |texel| {
-            texel.normal_bytes()
-        })?;
+    let script = include_str!("leaf_kinds.ron");
+    let species = species::parse("leaf_kinds.ron", script, &NoFiles)?;
+    let season = |season: f32| move |state| LeafState { season, ..state };
+    leaf_sheet(&species, |state| state, lit).save(folder.join("leaves.png"))?;
+    leaf_sheet(&species, |state| state, |texel| texel.normal_bytes())
+        .save(folder.join("leaves-normal.png"))?;
+    leaf_sheet(&species, season(1.5), lit).save(folder.join("leaves-turning.png"))?;
+    leaf_sheet(&species, season(2.0), lit).save(folder.join("leaves-autumn.png"))?;
+    let ill = |state| LeafState {
+        health: 0.3,
+        ..state
+    };
+    leaf_sheet(&species, ill, lit).save(folder.join("leaves-ill.png"))?;
+    // One kind large, if a name is given.
+    for kind in &species.leaves {
+        if let LeafLook::Drawn(art) = &kind.look
+            && std::env::args().skip(2).any(|name| name == kind.name)
+        {
+            let [width, height] = card_size(kind, [1024, 1024]);
+            let start = Instant::now();
+            let card = texture::leaf(kind, art, art.state, 3, width, height);
+            println!("large {}: {:?}", kind.name, start.elapsed());
+            save(folder, &format!("leaf-{}", kind.name), &card, 1, lit)?;
+        }
     }
     Ok(())
 }
@@ -47,11 +60,6 @@ fn lit(texel: &Texel) -> [u8; 3] {
     })
 }
 
-fn flat(texel: &Texel) -> [u8; 3] {
-    let [r, g, b, _] = texel.albedo_bytes();
-    [r, g, b]
-}
-
 fn save(
     folder: &Path,
     name: &str,
@@ -67,83 +75,50 @@ fn save(
     Ok(())
 }
 
-fn hex(rgb: u32) -> [f32; 3] {
-    let [_, r, g, b] = rgb.to_be_bytes();
-    [r, g, b].map(linear_from_srgb)
+/// Height of a card on the contact sheet, and the width it may have, texels.
+const CELL: [u32; 2] = [300, 320];
+/// Cards in a row.
+const COLUMNS: u32 = 8;
+
+/// All leaf kinds of `leaf_kinds.ron` side by side, in one state.
+fn leaf_sheet(
+    species: &Species,
+    change: impl Fn(LeafState) -> LeafState,
+    show: impl Fn(&Texel) -> [u8; 3],
+) -> image::RgbImage {
+    let rows = u32::try_from(species.leaves.len()).map_or(1, |count| count.div_ceil(COLUMNS));
+    let grey = image::Rgb([203; 3]);
+    let mut sheet = image::RgbImage::from_pixel(COLUMNS * CELL[0], rows * CELL[1], grey);
+    for (index, kind) in (0_u32..).zip(&species.leaves) {
+        let LeafLook::Drawn(art) = &kind.look else {
+            continue;
+        };
+        let [width, height] = card_size(kind, CELL);
+        let start = Instant::now();
+        let card = texture::leaf(kind, art, change(art.state), 3, width, height);
+        println!(
+            "leaf {} {width} x {height}: {:?}",
+            kind.name,
+            start.elapsed()
+        );
+        let (left, top) = (index % COLUMNS * CELL[0], index / COLUMNS * CELL[1]);
+        let left = left + (CELL[0] - width) / 2;
+        for y in 0..height {
+            for x in 0..width {
+                sheet.put_pixel(left + x, top + y, image::Rgb(show(card.at(x, y))));
+            }
+        }
+    }
+    sheet
 }
 
-fn leaves() -> Vec<(&'static str, LeafKind, [u32; 2])> {
-    let blade = |width, widest, sharpness, teeth, veins| Blade {
-        width,
-        widest,
-        sharpness,
-        teeth,
-        tooth_depth: 0.1,
-        veins,
-    };
-    let kind = |name, size: [f32; 2], arrangement, blade, colour, gloss| LeafKind {
-        name: String::from(name),
-        length_m: size[0],
-        width_m: size[1],
-        fold_deg: 0.0,
-        look: LeafLook::Drawn(LeafArt {
-            arrangement,
-            blade,
-            colour: hex(colour),
-            colour_vary: 0.14,
-            stalk_colour: hex(0x7a_7358),
-            gloss,
-            translucency: 0.4,
-        }),
-    };
-    let olive = Arrangement::Opposite {
-        pairs: 5,
-        angle_deg: 45.0,
-        blade: 0.42,
-    };
-    let poplar = Arrangement::Alternate {
-        count: 5,
-        angle_deg: 60.0,
-        blade: 0.36,
-    };
-    let slim = blade(0.2, 0.5, 0.7, 0, 7);
-    let deltoid = blade(0.9, 0.3, 0.8, 14, 6);
-    let ribbon = blade(0.07, 0.4, 0.35, 0, 5);
-    let elliptic = blade(0.5, 0.45, 0.6, 12, 8);
-    vec![
-        (
-            "olive",
-            kind("olive", [0.14, 0.075], olive, slim, 0x56_694a, 0.4),
-            [256, 512],
-        ),
-        (
-            "poplar",
-            kind("poplar", [0.2, 0.16], poplar, deltoid, 0x4a_6a2c, 0.35),
-            [512, 512],
-        ),
-        (
-            "palm",
-            kind(
-                "palm",
-                [0.7, 0.05],
-                Arrangement::Single,
-                ribbon,
-                0x4f_6a2f,
-                0.4,
-            ),
-            [64, 512],
-        ),
-        (
-            "single",
-            kind(
-                "s",
-                [0.1, 0.06],
-                Arrangement::Single,
-                elliptic,
-                0x4a_6333,
-                0.3,
-            ),
-            [256, 512],
-        ),
-    ]
+/// The largest card of a kind's shape within a box.
+fn card_size(kind: &LeafKind, [most_width, most_height]: [u32; 2]) -> [u32; 2] {
+    let aspect = kind.width_m / kind.length_m;
+    let (width, height) = (float(most_width), float(most_height));
+    if aspect * height > width {
+        [most_width, round_to_u32(width / aspect)]
+    } else {
+        [round_to_u32(height * aspect), most_height]
+    }
 }

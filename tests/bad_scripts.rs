@@ -40,7 +40,7 @@ const GOOD: &str = r##"(
   leaves: [
     (name: "sprig", length_m: 0.16, width_m: 0.07, fold_deg: 20,
      arrangement: Opposite(pairs: 6, angle_deg: 50, blade: 0.35),
-     blade: (width: 0.2, widest: 0.5, sharpness: 0.7, teeth: 0, tooth_depth: 0, veins: 6),
+     blade: (width: 0.2, widest: 0.5, sharpness: 0.7, margin: Entire, veins: Pinnate(pairs: 6)),
      colour: "#455f34", colour_vary: 0.12, stalk_colour: "#6b5b43", gloss: 0.4, translucency: 0.2),
     (name: "photo", length_m: 0.1, width_m: 0.05, image: "leaf.png"),
   ],
@@ -207,6 +207,41 @@ fn names_that_are_unknown_are_told_with_the_nearest() {
         "arrangement: Opposite(",
         "arrangement: Oposite(",
         &["leaves[0].arrangement", "did you mean `Opposite`?"],
+    );
+    one_fault(
+        "margin: Entire",
+        "margin: Serate(teeth: 20)",
+        &["leaves[0].blade.margin", "did you mean `Serrate`?"],
+    );
+    one_fault(
+        "margin: Entire",
+        "margin: Serrate(depth: 0.1)",
+        &["missing field `teeth` in Margin", "Teeth on each side"],
+    );
+    one_fault(
+        "margin: Entire",
+        "lobes: Palmate(count: 40)",
+        &["leaves[0].blade.lobes.count", "from 2 to 15"],
+    );
+    one_fault(
+        "veins: Pinnate(pairs: 6)",
+        "veins: 6",
+        &["leaves[0].blade.veins", "Midrib, Pinnate, Looping"],
+    );
+    one_fault(
+        "fold_deg: 20,",
+        "fold_deg: 20, season: Fall,",
+        &["leaves[0].season", "Spring, Summer, Autumn, Winter"],
+    );
+    one_fault(
+        "fold_deg: 20,",
+        "fold_deg: 20, season: 7,",
+        &["7 is out of range; expected 0 to 3"],
+    );
+    one_fault(
+        "fold_deg: 20,",
+        "fold_deg: 20, autumn: Yelow,",
+        &["leaves[0].autumn", "did you mean `Yellow`?"],
     );
     one_fault(
         "scale: Flame",

@@ -346,7 +346,9 @@ impl LeafArtwork for Artwork<'_> {
     fn draw(&self, kind: usize, width: u32, height: u32) -> Image<Texel> {
         let leaf = &self.species.leaves[kind];
         match (&leaf.look, &self.images[kind]) {
-            (LeafLook::Drawn(art), _) => texture::leaf(leaf, art, self.seed, width, height),
+            (LeafLook::Drawn(art), _) => {
+                texture::leaf(leaf, art, art.state, self.seed, width, height)
+            }
             (LeafLook::Image(_), Some(image)) => texture::resized(image, width, height),
             (LeafLook::Image(_), None) => Image::filled(width, height, Texel::EMPTY),
         }

@@ -1,7 +1,10 @@
 //! What a species script says, as plain data. Lengths are metres and angles degrees *here* (they are
 //! what the author wrote); growth turns them into radians.
 
+mod leaf;
+
 pub use super::bark::{Bark, BarkArt, BarkPattern};
+pub use leaf::*;
 
 /// The script format that this version reads and writes.
 pub const FORMAT: u32 = 1;
@@ -294,91 +297,6 @@ pub enum Knots {
     Uniform,
     /// The distance itself.
     Chordal,
-}
-
-/// A leaf card: how large it is, and what is drawn on it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LeafKind {
-    /// Unique name.
-    pub name: String,
-    /// Card length along the stalk, metres.
-    pub length_m: f32,
-    /// Card width, metres.
-    pub width_m: f32,
-    /// Angle by which each half is folded up along the midrib, degrees (0 is a flat card).
-    pub fold_deg: f32,
-    /// What is on the card.
-    pub look: LeafLook,
-}
-
-/// What is drawn on a leaf card.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LeafLook {
-    /// Drawn from a description.
-    Drawn(LeafArt),
-    /// An image file with an alpha channel, stalk at the middle of the lower edge.
-    Image(String),
-}
-
-/// A procedural leaf, or a spray of several on one card.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LeafArt {
-    /// How the blades stand on the card.
-    pub arrangement: Arrangement,
-    /// Outline of one blade.
-    pub blade: Blade,
-    /// Colour of the upper side, linear.
-    pub colour: [f32; 3],
-    /// Random change of lightness from blade to blade (0.1 is 10 % either way).
-    pub colour_vary: f32,
-    /// Colour of the stalk, linear.
-    pub stalk_colour: [f32; 3],
-    /// 0..=1: how mirror-smooth the surface is (wax); roughness falls as it rises.
-    pub gloss: f32,
-    /// 0..=1: light that passes through, as a part of the light that is reflected.
-    pub translucency: f32,
-}
-
-/// How blades stand on a leaf card.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Arrangement {
-    /// One blade that fills the card.
-    Single,
-    /// A twig with opposite pairs of blades and one at the tip.
-    Opposite {
-        /// Pairs along the twig.
-        pairs: u32,
-        /// Angle of a blade from the twig, degrees.
-        angle_deg: f32,
-        /// Blade length, as a part of the card's length.
-        blade: f32,
-    },
-    /// A twig with single blades on alternating sides and one at the tip.
-    Alternate {
-        /// Blades along the twig.
-        count: u32,
-        /// Angle of a blade from the twig, degrees.
-        angle_deg: f32,
-        /// Blade length, as a part of the card's length.
-        blade: f32,
-    },
-}
-
-/// Outline of one blade: a beta profile, `w(u) ~ u^a (1-u)^b`, widest at `a / (a + b)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blade {
-    /// Greatest width over length.
-    pub width: f32,
-    /// Where along the midrib it is widest, 0..1.
-    pub widest: f32,
-    /// Fullness: 0.3 nearly parallel-sided, 0.5 elliptic, 1 rhombic.
-    pub sharpness: f32,
-    /// Teeth on each side; 0 is entire.
-    pub teeth: u32,
-    /// Depth of the teeth, as a part of the half width.
-    pub tooth_depth: f32,
-    /// Side veins on each side.
-    pub veins: u32,
 }
 
 /// How the LOD chain is made.

@@ -1,6 +1,6 @@
 //! What stands on a leaf card: how many blades, and how much of the card they cover.
 
-use crate::species::schema::{Arrangement, LeafArt, LeafKind, LeafLook};
+use crate::species::schema::{LeafArt, LeafKind, LeafLook};
 use crate::species::{Files, schema::Species};
 use crate::{image::Image, image::Texel, pipeline, texture};
 
@@ -11,7 +11,7 @@ const PICTURE: u32 = 256;
 /// What stands on one card of a leaf kind, at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foliage {
-    /// Blades drawn on it; 1 for an image file, whose blades nobody can count.
+    /// Leaves drawn on it; 1 for an image file, whose leaves nobody can count.
     pub blades: u32,
     /// One side of what is drawn, square metres.
     pub area_m2: f32,
@@ -27,7 +27,10 @@ pub fn foliage(species: &Species, files: &dyn Files) -> Result<Vec<Foliage>, Str
         .iter()
         .map(|kind| {
             let (blades, picture) = match &kind.look {
-                LeafLook::Drawn(art) => (blades(art), drawn(kind, art, species.seed)),
+                LeafLook::Drawn(art) => {
+                    let leaves = texture::leaves_on(kind, art, species.seed);
+                    (leaves, drawn(kind, art, species.seed))
+                }
                 LeafLook::Image(path) => {
                     let image = pipeline::read_image(path, files).map_err(|e| e.to_string())?;
                     (1, image)
@@ -45,16 +48,14 @@ fn drawn(kind: &LeafKind, art: &LeafArt, seed: u64) -> Image<Texel> {
         let part = crate::math::float(PICTURE) * metres / longer;
         crate::math::round_to_u32(part).max(8)
     };
-    texture::leaf(kind, art, seed, texels(kind.width_m), texels(kind.length_m))
-}
-
-/// Blades of a drawn card: those along its twig and the one at the tip.
-fn blades(art: &LeafArt) -> u32 {
-    match art.arrangement {
-        Arrangement::Single => 1,
-        Arrangement::Opposite { pairs, .. } => 2 * pairs + 1,
-        Arrangement::Alternate { count, .. } => count + 1,
-    }
+    texture::leaf(
+        kind,
+        art,
+        art.state,
+        seed,
+        texels(kind.width_m),
+        texels(kind.length_m),
+    )
 }
 
 /// Part of a picture that is leaf: texels at an edge count as far as they are covered.

@@ -4,15 +4,13 @@
 //! each texel by itself, so the result does not depend on the number of threads.
 
 mod bark;
-mod blade;
 mod from_image;
 mod leaf;
 mod noise;
-mod sprig;
 
 pub use bark::bark;
 pub use from_image::{resized, texels_from_srgb};
-pub use leaf::leaf;
+pub use leaf::{blade_outline, leaf, leaves_on, reflectance};
 
 use rayon::prelude::*;
 

@@ -15,9 +15,8 @@ use pleach::lod::{Selector, State, Triangles};
 use pleach::math::{Similarity, Vec3};
 use pleach::mesh::card::{Quad, UvRect};
 use pleach::species::schema::{
-    Arrangement, Bark, BarkArt, BarkPattern, Blade, BranchParams, Curve, Habit, Knots, LeafArt,
-    LeafKind, LeafLook, LeafParams, Level, LevelKind, Lod, Param, Placement, Size, Species, Spline,
-    Stems,
+    Bark, BarkArt, BarkPattern, Blade, BranchParams, Curve, Habit, Knots, LeafArt, LeafKind,
+    LeafLook, LeafParams, Level, LevelKind, Lod, Param, Placement, Size, Species, Spline, Stems,
 };
 use pleach::species::{self, Beside};
 use pleach::tree::{Limits, Tree, grow};
@@ -333,20 +332,16 @@ fn leaf(name: &str, fold_deg: f32, length_m: f32) -> LeafKind {
         width_m: length_m * 0.5,
         fold_deg,
         look: LeafLook::Drawn(LeafArt {
-            arrangement: Arrangement::Single,
             blade: Blade {
-                width: 0.5,
                 widest: 0.4,
-                sharpness: 0.6,
-                teeth: 0,
-                tooth_depth: 0.0,
-                veins: 4,
+                ..Blade::default()
             },
-            colour: [0.1, 0.3, 0.05],
+            colour: Some([0.1, 0.3, 0.05]),
             colour_vary: 0.1,
             stalk_colour: [0.2, 0.1, 0.05],
             gloss: 0.3,
-            translucency: 0.3,
+            translucency: Some(0.3),
+            ..LeafArt::default()
         }),
     }
 }

@@ -58,15 +58,15 @@ pub(super) fn leaf_colour(name: &str) -> &'static str {
 /// are not known.
 pub(super) fn blade(shape: &str) -> Option<&'static str> {
     Some(match shape.to_lowercase().as_str() {
-        "" | "0" | "disc" | "elliptic" | "ovate" | "1" => "widest: 0.45, sharpness: 0.55, veins: 6",
-        "linear" | "2" | "rectangle" => "widest: 0.5, sharpness: 0.4, veins: 3",
-        "cordate" | "3" => "widest: 0.3, sharpness: 0.6, veins: 5",
+        "" | "0" | "disc" | "elliptic" | "ovate" | "1" => "widest: 0.45, sharpness: 0.55",
+        "linear" | "2" | "rectangle" => "widest: 0.5, sharpness: 0.4, veins: Parallel",
+        "cordate" | "3" => "widest: 0.3, sharpness: 0.6, base: -0.5",
         "maple" | "palmate" | "4" | "5" => {
-            "widest: 0.42, sharpness: 0.6, teeth: 3, tooth_depth: 0.55, veins: 3"
+            "widest: 0.42, sharpness: 0.6, lobes: Palmate(count: 5), veins: Palmate"
         }
-        "spiky oak" | "6" => "widest: 0.55, sharpness: 0.5, teeth: 4, tooth_depth: 0.4, veins: 4",
-        "rounded oak" | "7" => "widest: 0.6, sharpness: 0.5, teeth: 4, tooth_depth: 0.3, veins: 4",
-        "triangle" | "8" => "widest: 0.2, sharpness: 0.9, veins: 5",
+        "spiky oak" | "6" => "widest: 0.55, sharpness: 0.5, lobes: Pinnate(pairs: 4, sharp: 1)",
+        "rounded oak" | "7" => "widest: 0.6, sharpness: 0.5, lobes: Pinnate(pairs: 4, sharp: 0)",
+        "triangle" | "8" => "widest: 0.2, sharpness: 0.9",
         _ => return None,
     })
 }

@@ -5,18 +5,26 @@
 //! Ranges are wide: they refuse what can only be a slip, or what would never finish.
 
 mod barks;
+mod blades;
+mod leaves;
 mod levels;
-mod looks;
 mod species;
 
 pub use barks::{
     BANDED, BARK_IMAGE, BARKS, FIBROUS, GNARLED, LATTICE, MOSAIC, PAPERY, PLATES, RIDGED, RINGS,
     SMOOTH,
 };
+pub use blades::{
+    BLADE, LOBES, LOOPING_VEINS, MARGIN, MARGINS, PALMATE_LOBES, PALMATE_VEINS, PARALLEL_VEINS,
+    PINNATE_LOBES, PINNATE_VEINS, VEINS,
+};
+pub use leaves::{
+    ALTERNATE, ARRANGEMENTS, BIPINNATE, BRUSH, DRAWN_LEAF, FLOWERS, FORMS, LEAF, OPPOSITE,
+    PALMATE_LEAF, PINNATE_LEAF, SCALES, SEASON, SEASONS, SPRAY, TISSUES, TUFTS,
+};
 pub use levels::{
     ANGLE, BRANCH, ENVELOPE, FACTOR_PARTS, FLARE, FLUTES, LEAVES, LEVELS, NOT_FOR_TRUNK,
 };
-pub use looks::{ALTERNATE, ARRANGEMENTS, BLADE, DRAWN_LEAF, LEAF, OPPOSITE};
 pub use species::{
     CLOSED_FORMS, HABITS, KNOTS, LOD, SELECTORS, SIMPLIFICATIONS, SPECIES, SPLINE, STEMS, VARIATION,
 };
@@ -190,7 +198,22 @@ pub static TABLES: &[&Table] = &[
     &LEAF,
     &OPPOSITE,
     &ALTERNATE,
+    &BRUSH,
+    &TUFTS,
+    &SCALES,
+    &SPRAY,
+    &PINNATE_LEAF,
+    &BIPINNATE,
+    &PALMATE_LEAF,
     &BLADE,
+    &MARGIN,
+    &PINNATE_LOBES,
+    &PALMATE_LOBES,
+    &PINNATE_VEINS,
+    &LOOPING_VEINS,
+    &PALMATE_VEINS,
+    &PARALLEL_VEINS,
+    &FLOWERS,
     &BRANCH,
     &LEAVES,
     &ENVELOPE,

@@ -1,10 +1,10 @@
 //! Leaf kinds.
 
-use super::Reader;
 use super::shape::Names;
-use crate::species::decode::{Fields, Report, Value};
-use crate::species::fields::{self, ARRANGEMENTS};
-use crate::species::schema::{Arrangement, Blade, LeafArt, LeafKind, LeafLook};
+use super::{Reader, art};
+use crate::species::decode::Fields;
+use crate::species::fields;
+use crate::species::schema::{LeafKind, LeafLook};
 
 /// All leaf kinds, and their names.
 pub(super) fn leaves<'n>(reader: &mut Reader<'_>, root: &Fields<'n>) -> (Vec<LeafKind>, Names<'n>) {
@@ -31,7 +31,7 @@ fn leaf(reader: &mut Reader<'_>, name: String, fields: &Fields<'_>) -> LeafKind 
         }
         LeafLook::Image(reader.image(fields, "image"))
     } else {
-        LeafLook::Drawn(art(&mut reader.out, fields))
+        LeafLook::Drawn(art::art(&mut reader.out, fields))
     };
     let out = &mut reader.out;
     LeafKind {
@@ -40,65 +40,5 @@ fn leaf(reader: &mut Reader<'_>, name: String, fields: &Fields<'_>) -> LeafKind 
         width_m: fields.number(out, "width_m"),
         fold_deg: fields.number(out, "fold_deg"),
         look,
-    }
-}
-
-fn art(out: &mut Report, fields: &Fields<'_>) -> LeafArt {
-    LeafArt {
-        arrangement: fields
-            .read(out, "arrangement", |out, value, _| arrangement(out, value))
-            .unwrap_or(Arrangement::Single),
-        blade: fields
-            .read(out, "blade", |out, value, _| Some(blade(out, value)))
-            .unwrap_or(NO_BLADE),
-        colour: fields.colour(out, "colour"),
-        colour_vary: fields.number(out, "colour_vary"),
-        stalk_colour: fields.colour(out, "stalk_colour"),
-        gloss: fields.number(out, "gloss"),
-        translucency: fields.number(out, "translucency"),
-    }
-}
-
-/// Stands in where a blade is at fault, until the report is given.
-const NO_BLADE: Blade = Blade {
-    width: 0.5,
-    widest: 0.5,
-    sharpness: 0.5,
-    teeth: 0,
-    tooth_depth: 0.0,
-    veins: 0,
-};
-
-fn arrangement(out: &mut Report, value: &Value<'_>) -> Option<Arrangement> {
-    Some(match value.one_of(out, ARRANGEMENTS)? {
-        "Opposite" => {
-            let fields = Fields::open(out, value.clone(), &fields::OPPOSITE);
-            Arrangement::Opposite {
-                pairs: fields.whole(out, "pairs"),
-                angle_deg: fields.number(out, "angle_deg"),
-                blade: fields.number(out, "blade"),
-            }
-        }
-        "Alternate" => {
-            let fields = Fields::open(out, value.clone(), &fields::ALTERNATE);
-            Arrangement::Alternate {
-                count: fields.whole(out, "count"),
-                angle_deg: fields.number(out, "angle_deg"),
-                blade: fields.number(out, "blade"),
-            }
-        }
-        _ => Arrangement::Single,
-    })
-}
-
-fn blade(out: &mut Report, value: &Value<'_>) -> Blade {
-    let fields = Fields::open_plain(out, value.clone(), &fields::BLADE);
-    Blade {
-        width: fields.number(out, "width"),
-        widest: fields.number(out, "widest"),
-        sharpness: fields.number(out, "sharpness"),
-        teeth: fields.whole(out, "teeth"),
-        tooth_depth: fields.number(out, "tooth_depth"),
-        veins: fields.whole(out, "veins"),
     }
 }

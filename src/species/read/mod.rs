@@ -1,5 +1,6 @@
 //! A species from the tree of its script, with every fault that the script has.
 
+mod art;
 mod bark;
 mod leaves;
 mod levels;
