@@ -90,6 +90,8 @@ struct Stage<'a> {
     foliage: Foliage,
     bark: Vec<Image<Texel>>,
     shade: Occlusion,
+    /// Part of the sun that reaches each cell of it.
+    sunlit: Vec<f32>,
     sun: Vec3,
     shadow_weights: [(usize, f32); 3],
 }
@@ -107,6 +109,7 @@ impl<'a> Stage<'a> {
             settings,
             foliage: Foliage::of(tree.foliage.texels(), 5),
             bark: mips::chain(tree.bark.texels(), 10, ALPHA_CUTOFF),
+            sunlit: shade.lit_from(sun),
             shade,
             sun,
             shadow_weights: shadow::weights(sun),
@@ -191,7 +194,7 @@ impl<'a> Stage<'a> {
         } else {
             self.shade.open(point)
         };
-        let sun = self.shade.transmittance(point, self.sun);
+        let sun = self.shade.between(&self.sunlit, point);
         let front = facing.max(0.0);
         let through = texel.translucency * (-facing).max(0.0);
         let sky = lerp(0.0, 1.0, normal.y * 0.5 + 0.5);

@@ -6,6 +6,7 @@
 
 use crate::math::{Bounds, Vec3, floor_to_u32};
 use crate::mesh::{Mesh, Primitive};
+use rayon::prelude::*;
 
 /// Cells along the longest edge.
 const CELLS: u32 = 24;
@@ -200,9 +201,23 @@ impl Occlusion {
         libm::expf(-depth)
     }
 
+    /// Part of the light from a unit `direction` that reaches the middle of each cell, for [`Occlusion::between`].
+    #[must_use]
+    pub fn lit_from(&self, direction: Vec3) -> Vec<f32> {
+        let cells = 0..self.density.len();
+        let lit = |index| self.transmittance(self.middle(index), direction);
+        cells.into_par_iter().map(lit).collect()
+    }
+
     /// Part of the surrounding light that reaches a point, 0..=1, smooth between cells.
     #[must_use]
     pub fn open(&self, point: Vec3) -> f32 {
+        self.between(&self.open, point)
+    }
+
+    /// A value of each cell, x fastest, at a point between their middles.
+    #[must_use]
+    pub fn between(&self, values: &[f32], point: Vec3) -> f32 {
         let p = (point - self.origin) / self.cell - 0.5;
         let base = p.floor();
         let part = p - base;
@@ -220,7 +235,7 @@ impl Occlusion {
             let (z, wz) = pick(4, part.z);
             let cell = base + Vec3::new(x, y, z) + 0.5;
             let at = self.index(self.origin + cell.max(Vec3::ZERO) * self.cell);
-            sum += self.open[at] * wx * wy * wz;
+            sum += values[at] * wx * wy * wz;
         }
         sum
     }
