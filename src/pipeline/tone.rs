@@ -22,8 +22,12 @@ use crate::mesh::Mesh;
 use crate::mesh::card::{Relief, UvRect};
 use rayon::prelude::*;
 
-/// Samples along the height of the tree: about where most LODs of a chain are seen, and enough for means.
-const SAMPLES: f32 = 128.0;
+/// Samples along the height of the tree: about where most LODs of a chain are seen. (At 128 the coarser mips of
+/// small leaves tell: LODs come out 3 % darker than full detail.)
+const SAMPLES: f32 = 192.0;
+
+/// Of the calibration views, each second one: of means they tell as much.
+const STEP: usize = 2;
 
 /// Mips that the samples need.
 const MIPS: usize = 4;
@@ -209,7 +213,7 @@ pub(super) fn measure(
         });
         compared.collect()
     };
-    let views = calibration();
+    let views: Vec<_> = calibration().into_iter().step_by(STEP).collect();
     let views: Vec<Vec<Vec<Sums>>> = views.par_iter().enumerate().map(of_view).collect();
     let mut sums = vec![vec![Sums::default(); groups.len() + 1]; lods.len()];
     for part in &views {

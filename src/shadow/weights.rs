@@ -149,7 +149,8 @@ mod tests {
             let here = sun(azimuth, elevation);
             let (a, b) = here.any_orthonormal_pair();
             let there = here + (a * libm::cosf(heading) + b * libm::sinf(heading)) * turn;
-            prop_assert!(largest_change(here, there) < 2.6 * turn + 1e-5);
+            // At 45 degrees a share changes by 2 a radian of height and by 4 / (pi sin 45) a radian around.
+            prop_assert!(largest_change(here, there) < 2.75 * turn + 1e-5);
         }
 
         #[test]
