@@ -125,6 +125,11 @@ fn ages_habits_and_variations_are_checked() {
         "variations: [(name: \"a\", seed: 1, age: 2)]",
         &["variations[0].age", "out of range"],
     );
+    told(
+        "season: Fall",
+        &["season", "Spring, Summer, Autumn, Winter"],
+    );
+    told("season: 4", &["season", "out of range", "0 to 3"]);
     told("variations: 3", &["expected a list of variations"]);
 }
 

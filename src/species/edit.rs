@@ -81,6 +81,9 @@ pub fn vary(source: &str, species: &Species, variation: &Variation) -> Result<St
     if let Some(habit) = variation.habit {
         text = set(&text, "habit", &format!("{habit:?}"))?;
     }
+    if let Some(season) = variation.season {
+        text = set(&text, "season", &season.to_string())?;
+    }
     Ok(text)
 }
 

@@ -9,6 +9,9 @@ pub use leaf::*;
 /// The script format that this version reads and writes.
 pub const FORMAT: u32 = 1;
 
+/// The season of a script that says none.
+pub const SUMMER: f32 = 1.0;
+
 /// One species: a tree as a hierarchy of branching levels (Koniaris et al., section IV).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Species {
@@ -25,6 +28,9 @@ pub struct Species {
     pub age: f32,
     /// Where it has grown up.
     pub habit: Habit,
+    /// 0 spring, 1 summer, 2 autumn, 3 winter, and anything between: what leaves are drawn in that do not say
+    /// otherwise, and whether those that turn have fallen.
+    pub season: f32,
     /// Trees of the kind that are worth keeping, by name.
     pub variations: Vec<Variation>,
     /// Several stems out of one stool; `None` is a single trunk.
@@ -64,6 +70,8 @@ pub struct Variation {
     pub age: Option<f32>,
     /// Habit, if it is another one.
     pub habit: Option<Habit>,
+    /// Season, if it is another one.
+    pub season: Option<f32>,
 }
 
 /// Stems of a multi-stemmed tree: the whole tree becomes a level of its own above the stems.

@@ -1,15 +1,17 @@
-//! Age and habit: another tree of the kind from the same script.
+//! Age, habit and season: another tree of the kind from the same script.
 //!
 //! A script describes one tree, mature and grown in the open. A younger one is not that tree made smaller: it
 //! is slimmer for its height, its branches are shorter and fewer, and its leaves are as large. How height and
 //! crown go with the trunk's diameter is known (the medians over 169 species of the Urban Tree Database, McPherson
 //! et al. 2016, and of German forest trees): those exponents scale a script's levels here, before anything is grown.
 //!
-//! Guarantees: age 1 in the open is the script itself. Levels, their names and their order stay as they are, and so
-//! do the random draws of all links that remain. Cost: that of copying a script.
+//! In late autumn leaves that turn grow fewer, and in winter their levels are gone.
+//!
+//! Guarantees: age 1 in the open in summer is the script itself. The names and the order of levels stay as they are,
+//! and so do the random draws of all links that remain. Cost: that of copying a script.
 
 use crate::math::{float, round_to_u32};
-use crate::species::schema::{Curve, Habit, LevelKind, Placement, Size, Species};
+use crate::species::schema::{Curve, Habit, LeafLook, LevelKind, Placement, Size, Species};
 use std::borrow::Cow;
 
 /// Height goes with the trunk's diameter to this power.
@@ -31,6 +33,9 @@ const FOREST_DIAMETER: f32 = 0.62;
 
 /// Width of a forest tree's crown, as a part of what it is in the open at the same age.
 const FOREST_CROWN: f32 = 0.62;
+
+/// Seasons in which the first and the last leaf falls; 2 is autumn, 3 winter.
+const FALL: [f32; 2] = [2.2, 2.8];
 
 /// Where a forest tree's crown begins, as a part of the way from where it begins in the open to the top.
 const FOREST_BOLE: f32 = 0.42;
@@ -75,7 +80,9 @@ pub(super) fn grown_up(species: &Species) -> Cow<'_, Species> {
         clippy::float_cmp,
         reason = "1 is what a script says if it says nothing"
     )]
-    if species.age == 1.0 && species.habit == Habit::Open {
+    let as_written = species.age == 1.0 && species.habit == Habit::Open;
+    let hanging = hanging(species.season);
+    if as_written && hanging >= 1.0 {
         return Cow::Borrowed(species);
     }
     let factors = Factors::of(species.age, species.habit);
@@ -122,7 +129,49 @@ pub(super) fn grown_up(species: &Species) -> Cow<'_, Species> {
     if let Some(stems) = &mut grown.stems {
         stems.spread_m *= factors.crown;
     }
+    if hanging < 1.0 {
+        shed(&mut grown, hanging);
+    }
     Cow::Owned(grown)
+}
+
+/// Part of the leaves that turn which still hang in a season.
+fn hanging(season: f32) -> f32 {
+    let [first, last] = FALL;
+    ((last - season) / (last - first)).clamp(0.0, 1.0)
+}
+
+/// Takes leaves that turn in autumn off, but for a part of them.
+fn shed(species: &mut Species, part: f32) {
+    let turns = |kind: usize| match species.leaves.get(kind).map(|kind| &kind.look) {
+        Some(LeafLook::Drawn(art)) => art.autumn.is_some(),
+        _ => false,
+    };
+    let falls: Vec<bool> = species
+        .levels
+        .iter()
+        .map(|level| match &level.kind {
+            LevelKind::Leaf(leaf) => leaf.kinds.iter().all(|&(kind, _)| turns(kind)),
+            LevelKind::Branch(_) => false,
+        })
+        .collect();
+    // Nothing grows on leaves, so that only the numbers of what comes after them change.
+    let mut kept = 0;
+    let mut numbers = Vec::with_capacity(falls.len());
+    for &falls in &falls {
+        numbers.push(kept);
+        kept += usize::from(!falls || part > 0.0);
+    }
+    let mut falling = falls.iter();
+    species.levels.retain_mut(|level| {
+        let falls = falling.next().copied().unwrap_or(false);
+        level.parent = level.parent.map(|parent| numbers[parent]);
+        if falls {
+            let links = float(level.placement.links) * part;
+            level.placement.links = round_to_u32(links).max(1);
+        }
+        !falls || part > 0.0
+    });
 }
 
 fn scale(size: &mut Size, factor: f32) {
@@ -181,6 +230,7 @@ fn moved_to(curve: &mut Curve, moved: impl Fn(f32) -> f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::species::schema::Tissue;
     use crate::species::{NoFiles, parse};
 
     fn olive() -> Species {
@@ -223,6 +273,43 @@ mod tests {
             assert!(young.placement.links >= 2, "{}", old.name);
             assert_eq!(young.placement.start, old.placement.start);
         }
+    }
+
+    #[test]
+    fn only_leaves_that_turn_fall() {
+        let mut evergreen = olive();
+        evergreen.season = 3.0;
+        assert_eq!(grown_up(&evergreen).levels.len(), olive().levels.len());
+        let mut deciduous = evergreen.clone();
+        let LeafLook::Drawn(art) = &mut deciduous.leaves[0].look else {
+            panic!("the olive's leaves are drawn");
+        };
+        art.autumn = Some(Tissue::Yellow);
+        // A level after the leaves, on the trunk, keeps its parent.
+        let mut roots = deciduous.levels[1].clone();
+        roots.name = "roots".to_owned();
+        deciduous.levels.push(roots);
+        let at = |season: f32| {
+            let species = Species {
+                season,
+                ..deciduous.clone()
+            };
+            grown_up(&species).into_owned()
+        };
+        assert_eq!(
+            at(2.0),
+            Species {
+                season: 2.0,
+                ..deciduous.clone()
+            }
+        );
+        let [all, late] = [at(2.0), at(2.5)].map(|species| species.levels[4].placement.links);
+        assert!(late < all && late > 0, "{late} of {all}");
+        let bare = at(3.0);
+        let names: Vec<&str> = bare.levels.iter().map(|level| &level.name[..]).collect();
+        assert_eq!(names, ["trunk", "limbs", "branches", "twigs", "roots"]);
+        let parents: Vec<_> = bare.levels.iter().map(|level| level.parent).collect();
+        assert_eq!(parents, [None, Some(0), Some(1), Some(2), Some(0)]);
     }
 
     #[test]

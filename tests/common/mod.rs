@@ -185,6 +185,7 @@ impl Sketch {
             seed: self.seed,
             age: 1.0,
             habit: Habit::Open,
+            season: 1.0,
             variations: Vec::new(),
             stems: self.stems.map(|count| Stems {
                 count,

@@ -132,8 +132,8 @@ pub const DRAWN_LEAF: &[Field] = &[
     field(
         "season",
         Other("Spring, Summer, Autumn, Winter or a number from 0 to 3"),
-        Means("Summer"),
-        "Season it is drawn in; 1.5 is late summer.",
+        Special,
+        "Season it is drawn in, if not the species'; 1.5 is late summer.",
     ),
     field(
         "age",

@@ -43,6 +43,12 @@ pub static SPECIES: Table = Table {
             "Where it has grown up: Open as the levels say; Forest higher, slimmer, its crown beginning higher.",
         ),
         field(
+            "season",
+            Other("Spring, Summer, Autumn, Winter or a number from 0 to 3"),
+            Means("Summer"),
+            "Season; leaves that have an `autumn` turn, thin out from 2.2 on and are gone in winter.",
+        ),
+        field(
             "variations",
             Other("list of Variation"),
             Means("[]"),
@@ -110,6 +116,12 @@ pub static VARIATION: Table = Table {
             Number(AGE),
             Special,
             "Its age; the script's if left out.",
+        ),
+        field(
+            "season",
+            Other("Spring, Summer, Autumn, Winter or a number from 0 to 3"),
+            Special,
+            "Its season; the script's if left out.",
         ),
         field(
             "habit",

@@ -11,7 +11,7 @@ use crate::species::schema::{
 use crate::species::syntax::Kind;
 
 /// The drawn fields of a leaf kind.
-pub(super) fn art(out: &mut Report, fields: &Fields<'_>) -> LeafArt {
+pub(super) fn art(out: &mut Report, fields: &Fields<'_>, of_species: f32) -> LeafArt {
     LeafArt {
         arrangement: fields
             .read(out, "arrangement", |out, value, _| arrangement(out, value))
@@ -32,8 +32,9 @@ pub(super) fn art(out: &mut Report, fields: &Fields<'_>) -> LeafArt {
         autumn: fields.read(out, "autumn", |out, value, _| tissue(out, value)),
         state: LeafState {
             season: fields
-                .read(out, "season", |out, value, _| season(out, value))
-                .unwrap_or(1.0),
+                .get("season")
+                .and_then(|value| season(out, &value))
+                .unwrap_or(of_species),
             age: fields.number(out, "age"),
             health: fields.number(out, "health"),
         },
@@ -255,7 +256,7 @@ fn flowers(out: &mut Report, value: Value<'_>) -> Flowers {
 }
 
 /// A season by name or number.
-fn season(out: &mut Report, value: &Value<'_>) -> Option<f32> {
+pub(super) fn season(out: &mut Report, value: &Value<'_>) -> Option<f32> {
     if matches!(value.node.kind, Kind::Number(_)) {
         return value.number(out, SEASON);
     }

@@ -6,21 +6,25 @@ use crate::species::decode::Fields;
 use crate::species::fields;
 use crate::species::schema::{LeafKind, LeafLook};
 
-/// All leaf kinds, and their names.
-pub(super) fn leaves<'n>(reader: &mut Reader<'_>, root: &Fields<'n>) -> (Vec<LeafKind>, Names<'n>) {
+/// All leaf kinds, and their names; they are drawn in the season of the species if they do not say.
+pub(super) fn leaves<'n>(
+    reader: &mut Reader<'_>,
+    root: &Fields<'n>,
+    season: f32,
+) -> (Vec<LeafKind>, Names<'n>) {
     let mut names = Names::new("leaf kind");
     let mut kinds = Vec::new();
     if let Some(list) = root.get("leaves") {
         for item in reader.named_items(&list, "a list of leaf kinds") {
             let fields = Fields::open_plain(&mut reader.out, item, &fields::LEAF);
             let name = names.add(&mut reader.out, &fields);
-            kinds.push(leaf(reader, name, &fields));
+            kinds.push(leaf(reader, name, &fields, season));
         }
     }
     (kinds, names)
 }
 
-fn leaf(reader: &mut Reader<'_>, name: String, fields: &Fields<'_>) -> LeafKind {
+fn leaf(reader: &mut Reader<'_>, name: String, fields: &Fields<'_>, season: f32) -> LeafKind {
     let look = if fields.has("image") {
         for drawn in fields::DRAWN_LEAF {
             if let Some(value) = fields.get(drawn.name) {
@@ -31,7 +35,7 @@ fn leaf(reader: &mut Reader<'_>, name: String, fields: &Fields<'_>) -> LeafKind 
         }
         LeafLook::Image(reader.image(fields, "image"))
     } else {
-        LeafLook::Drawn(art::art(&mut reader.out, fields))
+        LeafLook::Drawn(art::art(&mut reader.out, fields, season))
     };
     let out = &mut reader.out;
     LeafKind {

@@ -12,7 +12,7 @@ use super::decode::{Fields, Report, Value};
 use super::fault::{Fault, Faults, Source};
 use super::fields::{self, MAX_NAME, MAX_NAMED};
 use super::files::Files;
-use super::schema::{FORMAT, Habit, Species, Stems, Variation};
+use super::schema::{FORMAT, Habit, SUMMER, Species, Stems, Variation};
 use super::syntax::{self, Kind, Node};
 
 /// Largest script, bytes.
@@ -109,11 +109,13 @@ fn species(reader: &mut Reader<'_>, node: &Node) -> Option<Species> {
     let seed = root.whole64(out, "seed");
     let age = root.number(out, "age");
     let habit = habit(out, &root).unwrap_or_default();
+    let season = root.read(out, "season", |out, value, _| art::season(out, value));
+    let season = season.unwrap_or(SUMMER);
     let variations = variations(out, &root);
     let stems = root.get("stems").map(|value| stems(out, value));
     let bark = bark::bark(reader, &root);
     let (splines, spline_names) = splines::splines(reader, &root);
-    let (leaves, leaf_names) = leaves::leaves(reader, &root);
+    let (leaves, leaf_names) = leaves::leaves(reader, &root, season);
     let known = levels::Known {
         splines: &spline_names,
         leaves: &leaf_names,
@@ -130,6 +132,7 @@ fn species(reader: &mut Reader<'_>, node: &Node) -> Option<Species> {
         seed,
         age,
         habit,
+        season,
         variations,
         stems,
         levels: levels.levels,
@@ -247,6 +250,9 @@ fn variations(out: &mut Report, root: &Fields<'_>) -> Vec<Variation> {
             seed: fields.whole64(out, "seed"),
             age: fields.has("age").then(|| fields.number(out, "age")),
             habit: habit(out, &fields),
+            season: fields
+                .get("season")
+                .and_then(|value| art::season(out, &value)),
         });
     }
     found
