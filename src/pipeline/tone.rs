@@ -22,15 +22,15 @@ use crate::mesh::Mesh;
 use crate::mesh::card::{Relief, UvRect};
 use rayon::prelude::*;
 
-/// Samples along the height of the tree: about where most LODs of a chain are seen. (At 128 the coarser mips of
-/// small leaves tell: LODs come out 3 % darker than full detail.)
-const SAMPLES: f32 = 192.0;
+/// Samples along the height of the tree, by view: about where most LODs of a chain are seen. More than one size,
+/// since a card is lit otherwise in each of its mips, by up to a twentieth.
+const SAMPLES: [f32; 3] = [208.0, 160.0, 112.0];
 
 /// Of the calibration views, each second one: of means they tell as much.
 const STEP: usize = 2;
 
 /// Mips that the samples need.
-const MIPS: usize = 4;
+const MIPS: usize = 5;
 
 /// Cells of the grid that shades the crown from the sun, along its longest edge.
 const SHADE_CELLS: u32 = 40;
@@ -183,10 +183,11 @@ pub(super) fn measure(
         reliefs: &reliefs,
     };
     let size = full.bounds().size();
-    let edge = (size.y / SAMPLES)
-        .max(size.max_element() / (4.0 * SAMPLES))
-        .max(1e-6);
     let of_view = |(index, direction): (usize, &Direction)| {
+        let samples = SAMPLES[index % SAMPLES.len()];
+        let edge = (size.y / samples)
+            .max(size.max_element() / (4.0 * samples))
+            .max(1e-6);
         let day = Day {
             shade: &shade,
             mean_open,
