@@ -2,8 +2,9 @@
 //!
 //! A script describes one tree, mature and grown in the open. A younger one is not that tree made smaller: it
 //! is slimmer for its height, its branches are shorter and fewer, and its leaves are as large. How height and
-//! crown go with the trunk's diameter is known (the medians over 169 species of the Urban Tree Database, McPherson
-//! et al. 2016, and of German forest trees): those exponents scale a script's levels here, before anything is grown.
+//! crown go with the trunk's diameter is known (medians over the 169 species of the Urban Tree Database,
+//! RDS-2016-0005, and over German forest trees): those exponents scale a script's levels here, before anything is
+//! grown.
 //!
 //! In late autumn leaves that turn grow fewer, and in winter their levels are gone.
 //!
