@@ -1,9 +1,9 @@
 //! A finished tree: everything that an exporter or a renderer needs, and nothing that it must compute.
 
-use crate::image::Image;
 use crate::image::atlas::Rect;
+use crate::image::{Image, Texel, mips, steady};
 use crate::lod::Triangles;
-use crate::math::Bounds;
+use crate::math::{Bounds, Vec3, byte_from_unit, linear_from_srgb};
 use crate::mesh::Mesh;
 use crate::mesh::card::Relief;
 use crate::report::Warning;
@@ -11,6 +11,7 @@ use crate::shadow::Shadows;
 use crate::species::schema::LodSelector;
 use crate::tree::{Kind, Tree};
 use crate::wind::Rig;
+use rayon::prelude::*;
 
 /// A tree with its LODs, textures and shadows.
 #[derive(Clone, Debug)]
@@ -138,7 +139,8 @@ impl TreeAsset {
 /// A textured surface in the bytes that files hold.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// sRGB colour and linear alpha.
+    /// sRGB colour and linear alpha. A foliage atlas has [steady alpha](crate::image::steady), which is at or
+    /// above the cutoff where there is something, and keeps its coverage in plain mips.
     pub albedo: Image<[u8; 4]>,
     /// Tangent-space normal, +Y up the image.
     pub normal: Image<[u8; 3]>,
@@ -151,16 +153,13 @@ pub struct Surface {
 impl Surface {
     /// Quantises texels.
     #[must_use]
-    pub fn of(texels: &Image<crate::image::Texel>) -> Self {
+    pub fn of(texels: &Image<Texel>) -> Self {
         let (albedo, (normal, (orm, extra))) = rayon::join(
-            || texels.map(crate::image::Texel::albedo_bytes),
+            || texels.map(Texel::albedo_bytes),
             || {
                 (
-                    texels.map(crate::image::Texel::normal_bytes),
-                    (
-                        texels.map(crate::image::Texel::orm_bytes),
-                        texels.map(crate::image::Texel::extra_bytes),
-                    ),
+                    texels.map(Texel::normal_bytes),
+                    (texels.map(Texel::orm_bytes), texels.map(Texel::extra_bytes)),
                 )
             },
         );
@@ -170,6 +169,72 @@ impl Surface {
             orm,
             extra,
         }
+    }
+
+    /// Quantises the texels of a foliage atlas, with alpha that is steady over the mips of each of its parts.
+    #[must_use]
+    pub fn of_atlas(texels: &Image<Texel>, parts: &[Rect]) -> Self {
+        let (mut surface, alpha) =
+            rayon::join(|| Self::of(texels), || steady::alpha(texels, parts));
+        let colours = surface.albedo.texels_mut().iter_mut();
+        for (colour, &alpha) in colours.zip(alpha.texels()) {
+            colour[3] = alpha;
+        }
+        surface
+    }
+
+    /// The texels that the bytes stand for; their alpha is the coverage.
+    #[must_use]
+    pub fn texels(&self) -> Image<Texel> {
+        let linear: Vec<f32> = (0..=255).map(linear_from_srgb).collect();
+        let unit = |byte: u8| f32::from(byte) / 255.0;
+        let texels = self
+            .albedo
+            .texels()
+            .par_iter()
+            .enumerate()
+            .map(|(i, &[r, g, b, _])| {
+                let [nx, ny, nz] = self.normal.texels()[i].map(|n| unit(n) * 2.0 - 1.0);
+                let [occlusion, roughness, _] = self.orm.texels()[i].map(unit);
+                let [translucency, depth, coverage] = self.extra.texels()[i].map(unit);
+                Texel {
+                    albedo: [r, g, b].map(|c| linear[usize::from(c)]),
+                    alpha: coverage,
+                    normal: Vec3::new(nx, ny, nz).normalize_or(Vec3::Z).to_array(),
+                    occlusion,
+                    roughness,
+                    translucency,
+                    depth: depth * 2.0 - 1.0,
+                }
+            });
+        Image::from_texels(self.albedo.width(), self.albedo.height(), texels.collect())
+    }
+
+    /// This and at most `levels - 1` smaller mips. Colours and the rest are averaged by coverage, alpha plainly, as
+    /// other programs do.
+    #[must_use]
+    pub fn mips(&self, levels: usize) -> Vec<Self> {
+        let mut alpha = self.albedo.map(|&[.., a]| f32::from(a) / 255.0);
+        let mut texels = self.texels();
+        let mut mips = vec![self.clone()];
+        while mips.len() < levels {
+            texels = mips::halved(&texels);
+            alpha = mips::halved_by(&alpha, |a| a.into_iter().sum::<f32>() * 0.25);
+            let mut mip = Self::of(&texels);
+            for (colour, &alpha) in mip.albedo.texels_mut().iter_mut().zip(alpha.texels()) {
+                colour[3] = byte_from_unit(alpha);
+            }
+            mips.push(mip);
+        }
+        mips
+    }
+
+    /// Mips of the albedo from half size downward, with the coverage of the base.
+    #[must_use]
+    pub fn albedo_mips(&self) -> Vec<Image<[u8; 4]>> {
+        let levels = self.albedo.width().max(self.albedo.height()).ilog2() as usize + 1;
+        let mips = self.mips(levels).into_iter().skip(1);
+        mips.map(|mip| mip.albedo).collect()
     }
 }
 

@@ -3,12 +3,10 @@
 //! Orthographic, one sun, sky light dimmed by a density grid of the crown, a ground that receives the nine
 //! baked shadows. Meant to show the shapes and textures honestly, not to be a renderer.
 
-use crate::asset::{Drawable, Surface};
+use crate::asset::Drawable;
 use crate::capture::{ALPHA_CUTOFF, Foliage, Occlusion, Seen, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
-use crate::math::{
-    Bounds, Vec2, Vec3, float, lerp, linear_from_srgb, smoothstep, srgb_from_linear,
-};
+use crate::math::{Bounds, Vec2, Vec3, float, lerp, smoothstep, srgb_from_linear};
 use crate::shadow;
 use rayon::prelude::*;
 
@@ -249,45 +247,4 @@ impl<'a> Stage<'a> {
 fn tone_mapped(light: Vec3) -> Vec3 {
     let x = light * 0.85;
     (x * (x * 0.22 + 1.0)) / (x * (x * 0.25 + 1.0) + 0.35) * 1.04
-}
-
-impl Surface {
-    /// The texels that the bytes stand for.
-    #[must_use]
-    pub fn texels(&self) -> Image<Texel> {
-        let linear: Vec<f32> = (0..=255).map(linear_from_srgb).collect();
-        let unit = |byte: u8| f32::from(byte) / 255.0;
-        let texels = self
-            .albedo
-            .texels()
-            .par_iter()
-            .enumerate()
-            .map(|(i, &[r, g, b, a])| {
-                let [nx, ny, nz] = self.normal.texels()[i].map(|n| unit(n) * 2.0 - 1.0);
-                let [occlusion, roughness, _] = self.orm.texels()[i].map(unit);
-                let [translucency, depth, _] = self.extra.texels()[i].map(unit);
-                Texel {
-                    albedo: [r, g, b].map(|c| linear[usize::from(c)]),
-                    alpha: unit(a),
-                    normal: Vec3::new(nx, ny, nz).normalize_or(Vec3::Z).to_array(),
-                    occlusion,
-                    roughness,
-                    translucency,
-                    depth: depth * 2.0 - 1.0,
-                }
-            });
-        Image::from_texels(self.albedo.width(), self.albedo.height(), texels.collect())
-    }
-
-    /// Mips of the albedo from half size downward, with the coverage of the base.
-    #[must_use]
-    pub fn albedo_mips(&self) -> Vec<Image<[u8; 4]>> {
-        let levels = self.albedo.width().max(self.albedo.height()).ilog2() as usize + 1;
-        let chain = mips::chain(self.texels(), levels, ALPHA_CUTOFF);
-        chain
-            .iter()
-            .skip(1)
-            .map(|mip| mip.map(Texel::albedo_bytes))
-            .collect()
-    }
 }

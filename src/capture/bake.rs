@@ -77,8 +77,8 @@ fn combined_share(tree: &Tree, level: usize) -> f32 {
     COMBINED_SHARE[tree.levels[level].depth.min(COMBINED_SHARE.len() - 1)]
 }
 
-/// A slim leaf gets at least this width as a part of its length, more texels across than along: a few
-/// columns would sink below the alpha cutoff in the mips that engines make.
+/// A slim leaf gets at least this width as a part of its length, more texels across than along: in the mips that
+/// engines make, a few columns would run into what lies beside them.
 const SLIMMEST_LEAF: f32 = 0.3;
 
 /// Draws the card of one leaf kind at a size in texels.

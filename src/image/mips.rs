@@ -75,7 +75,17 @@ fn keep_coverage(image: &mut Image<Texel>, wanted: f32, cutoff: f32) {
 /// An image of half the size; odd edges are clamped.
 #[must_use]
 pub fn halved(image: &Image<Texel>) -> Image<Texel> {
+    halved_by(image, |texels| average(texels))
+}
+
+/// An image of half the size, each texel made of four; odd edges are clamped.
+#[must_use]
+pub fn halved_by<T: Sync, U: Send>(
+    image: &Image<T>,
+    mean: impl Fn([&T; 4]) -> U + Sync,
+) -> Image<U> {
     let (width, height) = ((image.width() / 2).max(1), (image.height() / 2).max(1));
+    let mean = &mean;
     let texels = (0..height).into_par_iter().flat_map_iter(|y| {
         (0..width).map(move |x| {
             let (x1, y1) = (
@@ -83,7 +93,7 @@ pub fn halved(image: &Image<Texel>) -> Image<Texel> {
                 (2 * y + 1).min(image.height() - 1),
             );
             let (x0, y0) = ((2 * x).min(x1), (2 * y).min(y1));
-            average([
+            mean([
                 image.at(x0, y0),
                 image.at(x1, y0),
                 image.at(x0, y1),

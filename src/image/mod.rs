@@ -6,6 +6,7 @@ pub mod dilate;
 pub mod mips;
 pub mod png;
 pub mod scan;
+pub mod steady;
 
 use crate::math::{byte_from_unit, srgb_from_linear};
 

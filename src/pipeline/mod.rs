@@ -274,7 +274,7 @@ pub fn generate_with(
             .iter()
             .fold(Bounds::EMPTY, |all, lod| all.union(&lod.mesh.bounds())),
         lods,
-        foliage: Surface::of(&atlas),
+        foliage: Surface::of_atlas(&atlas, &baked.rects),
         bark: Surface::of(&tones.apply_to_bark(&bark[0])),
         tones: tones.tones(),
         rects: baked.rects,

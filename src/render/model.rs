@@ -421,7 +421,7 @@ fn sampler(gpu: &Gpu, address: wgpu::AddressMode) -> wgpu::Sampler {
     })
 }
 
-/// Four textures with mips whose alpha keeps the coverage of the base.
+/// Four textures with the mips that other programs make of them.
 fn material(
     gpu: &Gpu,
     layouts: &Layouts,
@@ -429,10 +429,7 @@ fn material(
     sampler: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     let levels = surface.albedo.width().max(1).ilog2() as usize;
-    let chain: Vec<Surface> = mips::chain(surface.texels(), levels.clamp(1, 10), ALPHA_CUTOFF)
-        .par_iter()
-        .map(Surface::of)
-        .collect();
+    let chain = surface.mips(levels.clamp(1, 10));
     let wide = |[r, g, b]: &[u8; 3]| [*r, *g, *b, 255];
     let views = [
         image_view(gpu, &chain, true, |s| s.albedo.clone()),

@@ -10,7 +10,7 @@ import { Score, readPack, requirePacks } from './pack.mjs';
 import { serve } from './server.mjs';
 
 /** Silhouette area of a LOD over that of LOD0, seen from the same side. */
-const AREA_BAND = [0.5, 1.6];
+const AREA_BAND = [0.75, 1.3];
 /** Mean brightness of a LOD's foliage over that of LOD0's. */
 const BRIGHTNESS_BAND = [0.6, 1.6];
 /** Least share of the picture that a tree covers when it fills the frame. */
