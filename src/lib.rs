@@ -14,6 +14,8 @@ pub mod evaluate;
 pub mod gpu;
 #[cfg(feature = "gpu")]
 pub mod gpu_bake;
+#[cfg(feature = "cli")]
+pub mod guide;
 pub mod image;
 #[cfg(feature = "cli")]
 pub mod import;

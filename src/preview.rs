@@ -54,7 +54,44 @@ const SHADE_CELLS: u32 = 40;
 #[must_use]
 pub fn picture(tree: &Drawable<'_>, settings: &Settings) -> Image<[u8; 3]> {
     let stage = Stage::new(tree, settings);
-    stage.draw(&stage.frame())
+    stage.draw(&framed(tree, settings))
+}
+
+/// The samples of such a picture: a camera framed around the finest LOD as it is seen.
+#[must_use]
+pub fn framed(tree: &Drawable<'_>, settings: &Settings) -> View {
+    let Settings {
+        size: [width, height],
+        azimuth,
+        elevation,
+        supersample,
+        ..
+    } = *settings;
+    let (sine, cosine) = libm::sincosf(azimuth);
+    let (lift, level) = libm::sincosf(elevation);
+    let right = Vec3::new(cosine, 0.0, -sine);
+    let toward = Vec3::new(sine * level, lift, cosine * level);
+    let up = toward.cross(right);
+    let mesh = tree.lods[0].0;
+    let points = mesh
+        .bark
+        .vertices
+        .iter()
+        .chain(&mesh.foliage.vertices)
+        .map(|v| Vec3::from(v.position));
+    let seen = Bounds::of_points(points.map(|p| Vec3::new(p.dot(right), p.dot(up), p.dot(toward))));
+    let (middle, size) = (seen.centre(), seen.size());
+    let aspect = float(width) / float(height);
+    // A little air around the tree.
+    let half_height = (size.y * 0.53).max(size.x * 0.53 / aspect);
+    View {
+        centre: right * middle.x + up * middle.y + toward * middle.z,
+        right,
+        up,
+        half: [half_height * aspect, half_height],
+        width: width * supersample,
+        height: height * supersample,
+    }
 }
 
 /// All LODs side by side under the same camera, the finest on the left.
@@ -111,43 +148,6 @@ impl<'a> Stage<'a> {
             shade,
             sun,
             shadow_weights: shadow::weights(sun),
-        }
-    }
-
-    /// The camera, framed around the finest LOD as it is seen, not around its box.
-    fn frame(&self) -> View {
-        let Settings {
-            size: [width, height],
-            azimuth,
-            elevation,
-            supersample,
-            ..
-        } = *self.settings;
-        let (sine, cosine) = libm::sincosf(azimuth);
-        let (lift, level) = libm::sincosf(elevation);
-        let right = Vec3::new(cosine, 0.0, -sine);
-        let toward = Vec3::new(sine * level, lift, cosine * level);
-        let up = toward.cross(right);
-        let mesh = self.tree.lods[0].0;
-        let points = mesh
-            .bark
-            .vertices
-            .iter()
-            .chain(&mesh.foliage.vertices)
-            .map(|v| Vec3::from(v.position));
-        let seen =
-            Bounds::of_points(points.map(|p| Vec3::new(p.dot(right), p.dot(up), p.dot(toward))));
-        let (middle, size) = (seen.centre(), seen.size());
-        let aspect = float(width) / float(height);
-        // A little air around the tree.
-        let half_height = (size.y * 0.53).max(size.x * 0.53 / aspect);
-        View {
-            centre: right * middle.x + up * middle.y + toward * middle.z,
-            right,
-            up,
-            half: [half_height * aspect, half_height],
-            width: width * supersample,
-            height: height * supersample,
         }
     }
 

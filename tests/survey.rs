@@ -353,3 +353,37 @@ fn the_olive_is_measured_against_its_own_kind() {
         "36 trees, Olea europaea"
     );
 }
+
+#[test]
+fn a_guide_has_a_plate_and_the_measures_of_each_species() {
+    let (dir, script) = cli_common::nursery();
+    let page = dir.path().join("README.md");
+    let args = ["guide", utf8(&script), "--seeds", "2", "--out", utf8(&page)];
+    program(&args).ends(0, &["README.md", "sapling.jpg"]);
+    let files = cli_common::files(dir.path());
+    let text = String::from_utf8(files["README.md"].clone()).unwrap();
+    for part in [
+        "pleach guide sapling.ron --out README.md",
+        "| [Sapling](#sapling) | *Arbor minima* |",
+        "[sapling.ron](sapling.ron)",
+        "](plates/sapling.jpg)",
+        "Measured over 2 seeds",
+        "| height, m |",
+    ] {
+        assert!(text.contains(part), "no `{part}` in:\n{text}");
+    }
+    let plate = image::load_from_memory(&files["plates/sapling.jpg"]).unwrap();
+    let plate = plate.to_rgb8();
+    assert_eq!(plate.dimensions(), (990, 710));
+    // The silhouette stands in the middle of its part, black on paper.
+    let silhouette = image::imageops::crop_imm(&plate, 400, 0, 360, 460).to_image();
+    let dark = silhouette.pixels().filter(|p| p.0[1] < 60).count();
+    let light = silhouette.pixels().filter(|p| p.0[1] > 220).count();
+    assert!(dark > 2_000 && light > 80_000, "{dark} dark, {light} light");
+
+    program(&args).ends(0, &[]);
+    assert_eq!(cli_common::files(dir.path()), files);
+    let nowhere = dir.path().join("none/README.md");
+    program(&["guide", utf8(&script), "--out", utf8(&nowhere)]).ends(2, &["--out", "none"]);
+    program(&["guide", "--out", utf8(&page)]).ends(2, &["SPECIES"]);
+}

@@ -27,6 +27,8 @@ pub(crate) enum Command {
     Evaluate(Evaluate),
     /// Measure trees as a forester would, beside what is known of real ones.
     Measure(Measure),
+    /// Make a field guide: a page with a plate of pictures and the measures of each species.
+    Guide(Guide),
     /// Turn another program's tree parameters into a species script.
     Import(Import),
     /// Draw a script's tree or a pack: a still, all LODs, a turntable, a contact sheet. Needs no window.
@@ -261,6 +263,22 @@ pub(crate) struct Measure {
     /// Print all figures, and each tree's, to stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Guide {
+    /// Species scripts, in the order of the page; links expect them beside it.
+    #[arg(required = true)]
+    pub(crate) species: Vec<PathBuf>,
+    /// Page to write (Markdown); plates go into a folder `plates` beside it.
+    #[arg(long)]
+    pub(crate) out: PathBuf,
+    /// Trees of each species to measure: seeds 1 to N.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub(crate) seeds: u16,
+    /// Threads; all cores without. The guide does not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
 }
 
 #[derive(Debug, ClapArgs)]

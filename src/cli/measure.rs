@@ -2,10 +2,10 @@
 
 use super::args::Measure;
 use super::progress::Bar;
-use super::table::{number, table};
+use super::table::table;
 use super::{End, Failure};
 use crate::survey::reference::{self, Reference};
-use crate::survey::{self, Line, Spread, SurveyError, Verdict};
+use crate::survey::{self, Line, SurveyError, Verdict};
 use crate::tree::Limits;
 use serde_json::json;
 use std::time::Instant;
@@ -59,31 +59,14 @@ pub(crate) fn run(args: &Measure) -> Result<End, Failure> {
 /// All figures as a table.
 fn text(lines: &[Line]) -> String {
     let rows = lines.iter().map(|line| {
-        let (median, spread) = match line.value {
-            Some(Spread { p10, median, p90 }) => (
-                figure(median),
-                format!("{} to {}", figure(p10), figure(p90)),
-            ),
-            None => ("-".to_owned(), "-".to_owned()),
-        };
-        let range = line.reference.as_ref().map_or_else(
-            || "-".to_owned(),
-            |range| match range.high {
-                Some(high) => format!("{} to {}", figure(range.low), figure(high)),
-                None => format!("{} or more", figure(range.low)),
-            },
-        );
-        let unit = if line.unit.is_empty() {
-            String::new()
-        } else {
-            format!(", {}", line.unit)
-        };
+        let [median, spread, range] = line.figures();
+        let verdict = line.verdict.word().to_owned();
         vec![
-            format!("{}{unit}", line.name),
+            line.title(),
             median,
             spread,
             range,
-            verdict(line.verdict).to_owned(),
+            verdict,
             line.note.clone(),
         ]
     });
@@ -98,15 +81,6 @@ fn text(lines: &[Line]) -> String {
         ],
         rows,
     )
-}
-
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Within => "within",
-        Verdict::Below => "BELOW",
-        Verdict::Above => "ABOVE",
-        Verdict::NoReference => "no reference",
-    }
 }
 
 /// How many figures lie within their range.
@@ -127,23 +101,5 @@ fn unknown(latin: &str) -> String {
         format!("reference: the script has no `latin` name; {known} species are known by theirs")
     } else {
         format!("reference: `{latin}` is not among the {known} species of the table")
-    }
-}
-
-/// A number with three digits or so, its thousands apart.
-fn figure(x: f32) -> String {
-    let digits = match x.abs() {
-        1000.0.. => return number(u64::from(crate::math::round_to_u32(x))),
-        100.0.. => 0,
-        10.0.. => 1,
-        _ => 2,
-    };
-    let text = format!("{x:.digits$}");
-    // Whole numbers of ranges and counts stand without zeros behind the point.
-    match text.split_once('.') {
-        Some((whole, zeros)) if zeros.bytes().all(|b| b == b'0') => {
-            if whole == "-0" { "0" } else { whole }.to_owned()
-        }
-        _ => text,
     }
 }

@@ -5,6 +5,7 @@ mod batch;
 mod check;
 mod evaluate;
 mod generate;
+mod guide;
 mod import;
 mod inspect;
 mod measure;
@@ -105,6 +106,7 @@ pub fn main() -> ExitCode {
         args::Command::Check(args) => check::run(args),
         args::Command::Inspect(args) => inspect::run(args),
         args::Command::Measure(args) => measure::run(args),
+        args::Command::Guide(args) => guide::run(args),
         args::Command::Import(args) => import::run(args),
         args::Command::Render(args) => render::run(args),
         args::Command::Preview(args) => preview::run(args),
@@ -141,6 +143,21 @@ pub(crate) fn say(json: &impl serde::Serialize) -> Result<(), Failure> {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::machine(e)),
         _ => Ok(()),
     }
+}
+
+/// Writes a file whole or not at all, and says so.
+pub(crate) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Failure> {
+    let told =
+        |e: std::io::Error| Failure::machine(format!("cannot write {}: {e}", path.display()));
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => std::path::Path::new("."),
+    };
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(told)?;
+    std::io::Write::write_all(&mut file, bytes).map_err(told)?;
+    file.persist(path).map_err(|e| told(e.error))?;
+    eprintln!("{} ({})", path.display(), table::bytes(bytes.len() as u64));
+    Ok(())
 }
 
 /// Limits the number of threads of all parallel work.

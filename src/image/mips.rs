@@ -75,7 +75,7 @@ fn keep_coverage(image: &mut Image<Texel>, wanted: f32, cutoff: f32) {
 /// An image of half the size; odd edges are clamped.
 #[must_use]
 pub fn halved(image: &Image<Texel>) -> Image<Texel> {
-    halved_by(image, |texels| average(texels))
+    halved_by(image, average)
 }
 
 /// An image of half the size, each texel made of four; odd edges are clamped.

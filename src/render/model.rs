@@ -2,9 +2,9 @@
 
 use super::uniforms;
 use crate::asset::{Drawable, Surface};
-use crate::capture::{ALPHA_CUTOFF, Occlusion};
+use crate::capture::Occlusion;
 use crate::gpu::{Gpu, GpuError, upload};
-use crate::image::{Image, mips};
+use crate::image::Image;
 use crate::math::{Bounds, Vec3, byte_from_unit, float, floor_to_u32, smoothstep};
 use crate::mesh::{Mesh, Primitive};
 use crate::shadow::{self, ShadowMap};

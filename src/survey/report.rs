@@ -2,6 +2,7 @@
 
 use super::reference::{Estimated, Group, LeafUnit, LogLog, Reference};
 use super::{Measures, Spread};
+use crate::evaluate::text::number;
 
 /// What figures lie within.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -26,6 +27,19 @@ pub enum Verdict {
     Above,
     /// There is nothing to compare with.
     NoReference,
+}
+
+impl Verdict {
+    /// In a word or two.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Within => "within",
+            Self::Below => "BELOW",
+            Self::Above => "ABOVE",
+            Self::NoReference => "no reference",
+        }
+    }
 }
 
 /// One figure of all trees.
@@ -71,6 +85,36 @@ pub fn lines(trees: &[Measures], reference: Option<&Reference>) -> Vec<Line> {
 }
 
 impl Line {
+    /// What was measured, with its unit.
+    #[must_use]
+    pub fn title(&self) -> String {
+        match self.unit {
+            "" => self.name.clone(),
+            unit => format!("{}, {unit}", self.name),
+        }
+    }
+
+    /// Median, spread and reference in words; `-` for what there is not.
+    #[must_use]
+    pub fn figures(&self) -> [String; 3] {
+        let none = || "-".to_owned();
+        let (median, spread) = match self.value {
+            Some(Spread { p10, median, p90 }) => (
+                figure(median),
+                format!("{} to {}", figure(p10), figure(p90)),
+            ),
+            None => (none(), none()),
+        };
+        let range = self
+            .reference
+            .as_ref()
+            .map_or_else(none, |range| match range.high {
+                Some(high) => format!("{} to {}", figure(range.low), figure(high)),
+                None => format!("{} or more", figure(range.low)),
+            });
+        [median, spread, range]
+    }
+
     fn new(name: impl Into<String>, unit: &'static str, figures: Vec<f32>) -> Self {
         Self {
             name: name.into(),
@@ -319,4 +363,22 @@ fn part(figures: &[f32], holds: impl Fn(f32) -> bool) -> f32 {
     let count = |n: usize| crate::math::float(u32::try_from(n).unwrap_or(u32::MAX));
     let those = figures.iter().filter(|&&f| holds(f)).count();
     count(those) / count(figures.len()).max(1.0)
+}
+
+/// A number with three digits or so, its thousands apart.
+fn figure(x: f32) -> String {
+    let digits = match x.abs() {
+        1000.0.. => return number(u64::from(crate::math::round_to_u32(x))),
+        100.0.. => 0,
+        10.0.. => 1,
+        _ => 2,
+    };
+    let text = format!("{x:.digits$}");
+    // Whole numbers of ranges and counts stand without zeros behind the point.
+    match text.split_once('.') {
+        Some((whole, zeros)) if zeros.bytes().all(|b| b == b'0') => {
+            if whole == "-0" { "0" } else { whole }.to_owned()
+        }
+        _ => text,
+    }
 }

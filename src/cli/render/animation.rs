@@ -60,7 +60,7 @@ pub(super) fn write(
         let picture = frame(index)?;
         if kind(&args.out) == Some(Kind::Sequence) {
             let bytes = png::encode(&picture).map_err(Failure::input)?;
-            super::write(&numbered(&args.out, index), &bytes)?;
+            super::super::write(&numbered(&args.out, index), &bytes)?;
         } else {
             frames.push(picture);
         }
@@ -70,7 +70,7 @@ pub(super) fn write(
         Some(Kind::Png) => apng(&frames)?,
         Some(Kind::Sequence) | None => return Ok(()),
     };
-    super::write(&args.out, &bytes)
+    super::super::write(&args.out, &bytes)
 }
 
 /// `turn-%d.png` with a number of three digits.

@@ -11,7 +11,7 @@ use super::progress::Bar;
 use super::{End, Failure};
 use crate::asset::{Drawable, TreeAsset};
 use crate::image::{Image, png};
-use crate::math::{float, linear_from_srgb, srgb_from_linear};
+use crate::math::{float, srgb_from_linear};
 use crate::pack::{self, PackContents, ReadError};
 use crate::pipeline::{self, Settings};
 use crate::shadow::Shadows;
@@ -194,10 +194,10 @@ fn rows(pictures: &[Image<[u8; 4]>], columns: usize) -> Image<[u8; 4]> {
 
 /// The atlas as it is seen: colours where it is covered, white elsewhere.
 fn on_white(tree: &Drawable<'_>) -> Image<[u8; 4]> {
-    tree.foliage.albedo.map(|&[r, g, b, a]| {
-        let part = f32::from(a) / 255.0;
-        let over = |c: u8| srgb_from_linear(linear_from_srgb(c) * part + 1.0 - part);
-        [over(r), over(g), over(b), 255]
+    tree.foliage.texels().map(|texel| {
+        let over = |c: f32| srgb_from_linear(c * texel.alpha + 1.0 - texel.alpha);
+        let [r, g, b] = texel.albedo.map(over);
+        [r, g, b, 255]
     })
 }
 
@@ -236,26 +236,7 @@ fn rose(shadows: &Shadows) -> Image<[u8; 4]> {
 /// Writes a picture whole or not at all.
 fn save(args: &Render, picture: &Image<[u8; 4]>) -> Result<(), Failure> {
     let bytes = png::encode(picture).map_err(Failure::input)?;
-    write(&args.out, &bytes)
-}
-
-/// Writes a file whole or not at all, and says so.
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let told =
-        |e: std::io::Error| Failure::machine(format!("cannot write {}: {e}", path.display()));
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(told)?;
-    std::io::Write::write_all(&mut file, bytes).map_err(told)?;
-    file.persist(path).map_err(|e| told(e.error))?;
-    eprintln!(
-        "{} ({})",
-        path.display(),
-        super::table::bytes(bytes.len() as u64)
-    );
-    Ok(())
+    super::write(&args.out, &bytes)
 }
 
 /// True if the GPU is asked for by name.
