@@ -37,6 +37,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("files", &["pack"]),
     ("LODs judged", &["evaluate"]),
     ("trees measured as in a forest", &["survey"]),
+    ("a page of many species", &["guide"]),
     ("other programs' parameters", &["import"]),
     ("many trees", &["batch"]),
     ("a window on a tree", &["viewer"]),

@@ -153,7 +153,11 @@ pub(crate) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Failure>
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => std::path::Path::new("."),
     };
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(told)?;
+    let mut builder = tempfile::Builder::new();
+    // Temporary files are private to the user; a picture is as readable as any new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder).map_err(told)?;
     std::io::Write::write_all(&mut file, bytes).map_err(told)?;
     file.persist(path).map_err(|e| told(e.error))?;
     eprintln!("{} ({})", path.display(), table::bytes(bytes.len() as u64));

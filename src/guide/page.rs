@@ -11,7 +11,6 @@ use core::fmt::Write as _;
 pub struct Entry {
     name: String,
     latin: String,
-    slug: String,
     /// Path of the script, as links have it.
     script: String,
     /// Path of the plate, as links have it.
@@ -38,7 +37,6 @@ impl Entry {
         Self {
             name: species.name.clone(),
             latin: species.latin.clone(),
-            slug: species.slug.clone(),
             script: script.to_owned(),
             plate: plate.to_owned(),
             seed: tree.seed,
@@ -71,7 +69,7 @@ impl Entry {
         format!(
             "| [{}](#{}) | *{}* | {} | {} | {} | {} | {within} of {judged} |",
             self.name,
-            self.slug,
+            self.name.to_lowercase().replace(' ', "-"),
             self.latin,
             self.median("height"),
             self.median("DBH"),
