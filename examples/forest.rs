@@ -6,7 +6,7 @@
 //! 1,000,000 trees, and full meshes against the chain of LODs at a mean FLIP of at most 0.05.
 //!
 //! Options: `--frames N` (11), `--rows 1,3` (rows of the table, from 1; all; 0 for none), `--most N` (1000000; larger forests are left out), `--full N` (300; trees of the
-//! comparison with full meshes; 0 leaves it out), `--pictures FOLDER` (writes what was drawn).
+//! comparison with full meshes; 0 leaves it out), `--away X` (1; how many times farther these are seen from), `--pictures FOLDER` (writes what was drawn).
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -41,6 +41,7 @@ struct Options {
     rows: Vec<usize>,
     most: u32,
     full: u32,
+    away: f32,
     pictures: Option<PathBuf>,
 }
 
@@ -50,6 +51,7 @@ fn options() -> Result<Options, Failure> {
         rows: (1..=ROWS.len()).collect(),
         most: 1_000_000,
         full: 300,
+        away: 1.0,
         pictures: None,
     };
     let mut args = std::env::args().skip(1);
@@ -62,6 +64,7 @@ fn options() -> Result<Options, Failure> {
             }
             "--most" => options.most = value.parse()?,
             "--full" => options.full = value.parse()?,
+            "--away" => options.away = value.parse()?,
             "--pictures" => options.pictures = Some(value.into()),
             _ => return Err(format!("unknown option {name}; see the head of this file").into()),
         }
@@ -417,9 +420,12 @@ fn large(gpu: &Gpu, options: &Options, trees: u32) -> Result<(), Failure> {
 fn against_full_meshes(gpu: &Gpu, options: &Options) -> Result<(), Failure> {
     let budgets = [10_640, 2_000, 836, 248, 8];
     let mut bench = Bench::new(gpu, &budgets, true, options.full)?;
+    bench.scene.camera.eye *= options.away;
     println!(
-        "\n{} trees, LODs of {:?} triangles, full meshes against the chain:",
-        options.full, bench.reached
+        "\n{} trees, LODs of {:?} triangles, seen from {:.0} m, full meshes against the chain:",
+        options.full,
+        bench.reached,
+        bench.scene.camera.eye.length()
     );
     bench.forest.settings.lod = Some(0);
     let triangles = bench.triangles();
@@ -441,7 +447,7 @@ fn against_full_meshes(gpu: &Gpu, options: &Options) -> Result<(), Failure> {
         "      full: {triangles} triangles, frame {:.1} ms",
         full.frame
     );
-    for detail in [4.0, 2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25] {
+    for detail in [4.0, 2.0, 1.0, 0.5, 0.25, 0.12] {
         bench.forest.settings.detail = detail;
         let [times] = bench.compare(options, [Calls::Indirect])?;
         let picture = bench.picture()?;
