@@ -141,7 +141,9 @@ fn drawn(size: [u32; 2], mut pixel: impl FnMut(u32, u32) -> [u8; 3]) -> Paint {
 
 /// A texel's colour under a plain light.
 fn lit(texel: &Texel) -> [u8; 3] {
-    let facing = Vec3::from(texel.normal).dot(LIGHT.normalize_or(Vec3::Z)).max(0.0);
+    let facing = Vec3::from(texel.normal)
+        .dot(LIGHT.normalize_or(Vec3::Z))
+        .max(0.0);
     let light = AROUND * texel.occlusion + SUN * facing;
     texel.albedo.map(|c| srgb_from_linear(c * light))
 }
