@@ -1,6 +1,7 @@
 //! What the GPU draws, on whatever adapter there is. Without one, these tests show as ignored; with
 //! `PLEACH_REQUIRE_GPU=1` that is a failure.
 
+mod cli_common;
 mod common;
 
 use common::adapter::{self, Outcome, Test};
@@ -17,7 +18,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let tests: [Test; 17] = [
+    let tests: [Test; 18] = [
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
         (
             "a_scene_after_others_is_drawn_as_if_it_came_first",
@@ -56,11 +57,45 @@ fn main() -> ExitCode {
             "leaves_that_face_the_sun_cast_more_shadow",
             leaves_face_the_sun,
         ),
+        ("the_program_draws_a_wood_of_scripts", wood_by_the_program),
     ];
     adapter::run(&tests)
 }
 
 const SIZE: [u32; 2] = [160, 200];
+
+fn wood_by_the_program() -> Outcome {
+    use cli_common::{nursery, pleach, utf8};
+    let (dir, script) = nursery();
+    let draw = |name: &str, trees: &str| {
+        let out = dir.path().join(name);
+        let mut args = vec!["render", utf8(&script), "--out", utf8(&out)];
+        args.extend(["--what", "forest", "--trees", trees, "--size", "320x180"]);
+        pleach(&args).ends(0, &[name]);
+        std::fs::read(&out)
+    };
+    let wood = draw("wood.png", "400")?;
+    if draw("again.png", "400")? != wood {
+        return Err("the same wood is another picture".into());
+    }
+    let picture = png::decode(&wood, 1 << 20)?;
+    if (picture.width(), picture.height()) != (320, 180) {
+        return Err(format!("{} x {}", picture.width(), picture.height()).into());
+    }
+    // Trees change the picture below the horizon, and hardly reach into the sky above it.
+    let lone = png::decode(&draw("lone.png", "1")?, 1 << 20)?;
+    let differs = |rows: std::ops::Range<u32>| {
+        let texels = rows.flat_map(|y| (0..320).map(move |x| (x, y)));
+        let other = texels.filter(|&(x, y)| picture.at(x, y) != lone.at(x, y));
+        other.count()
+    };
+    let (sky, trees) = (differs(0..20), differs(60..180));
+    if sky > 100 || trees < 2_000 {
+        return Err(format!("{sky} pixels of the sky differ, and {trees} below").into());
+    }
+    pleach(&["render", utf8(&script), "--out", "none/wood.png"]).ends(2, &["--out", "none"]);
+    Ok(())
+}
 
 fn renderer(asset: &TreeAsset) -> Result<Renderer, GpuError> {
     let mut renderer = Renderer::new(&Gpu::headless()?, wgpu::TextureFormat::Rgba8UnormSrgb)?;
