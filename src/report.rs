@@ -21,6 +21,13 @@ pub enum Warning {
         /// Triangles asked for.
         budget: u64,
     },
+    /// The LOD before is within the budget already; the budget got no LOD.
+    BudgetMet {
+        /// Triangles asked for.
+        budget: u64,
+        /// Triangles of the LOD before.
+        triangles: u64,
+    },
     /// A capture has fewer texels than it deserves, because the atlas is small.
     AtlasCrowded {
         /// Atlas edge, texels.
@@ -53,6 +60,11 @@ impl fmt::Display for Warning {
                 f,
                 "budget of {budget} triangles: no form is left that is simpler than the LOD before it; \
                  no LOD was made. Remove the budget, or space the budgets further apart"
+            ),
+            Self::BudgetMet { budget, triangles } => write!(
+                f,
+                "budget of {budget} triangles: the LOD before it has {triangles} and serves for this budget too; \
+                 no other was made"
             ),
             Self::AtlasCrowded { size, largest } => write!(
                 f,

@@ -78,6 +78,14 @@ pub(super) fn draft(
     let mut before = full.1.total();
     let mut state = full.clone();
     for &budget in budgets {
+        // A simpler form than one that fits already would only look worse.
+        if drafts.last().is_some_and(|d| d.budget.is_some()) && before <= budget {
+            warnings.push(Warning::BudgetMet {
+                budget,
+                triangles: before,
+            });
+            continue;
+        }
         let mut candidates = Vec::new();
         if drafts.is_empty() && full.1.total() <= budget {
             candidates.push(Candidate::Levels(full.0.clone(), full.1));
