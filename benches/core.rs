@@ -106,8 +106,8 @@ fn forms(species: &Species, tree: &Tree) -> Forms {
     let cutouts = Cutouts::of(&sheet);
     let turns = capture::standing(tree);
     let budgets = &species.lod.budgets;
-    let turns = (&turns[..], &budgets[..]);
-    menu::forms(tree, &species.lod, &leaves, &cutouts, turns, &Quiet).expect("small enough")
+    let meant_for = (&turns[..], &budgets[..], 1024);
+    menu::forms(tree, &species.lod, &leaves, &cutouts, meant_for, &Quiet).expect("small enough")
 }
 
 #[divan::bench(sample_count = 5)]

@@ -146,7 +146,7 @@ fn two_levels_of_one_shape_share_its_captures() {
     assert!((factor - 0.4).abs() < 1e-3, "{factor}");
     let quads = baked(&tree, Source::Direct, 256).quads;
     let [large, shared] = [1, 2].map(|l| quads.branches[l][0].expect("captured")[0]);
-    assert_eq!(large.uv, shared.uv, "one place in the atlas");
+    assert_eq!(large.pane, shared.pane, "one place in the atlas");
     assert!((shared.half[1] / large.half[1] - 0.4).abs() < 1e-3);
 }
 

@@ -14,7 +14,7 @@ use pleach::evaluate::{
     with_reference,
 };
 use pleach::math::Vec3;
-use pleach::mesh::card::{UvRect, leaf};
+use pleach::mesh::card::{Pane, leaf};
 use pleach::mesh::{Mesh, Primitive};
 use pleach::pack::{self, Options, Replace};
 use pleach::pipeline;
@@ -223,7 +223,7 @@ fn size_does_not_matter() {
 
 /// Leaf cards, each moved by a vector.
 fn cards(places: &[Vec3], flat: bool) -> Mesh {
-    let card = leaf(0.3, 0.15, 0.0, UvRect::ALL);
+    let card = leaf(0.3, 0.15, 0.0, &Pane::ALL);
     let mut foliage = Primitive::default();
     for &place in places {
         let base = u32::try_from(foliage.vertices.len()).expect("few");

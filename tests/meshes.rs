@@ -95,16 +95,24 @@ fn branches() -> Vec<(String, Branch)> {
     branches
 }
 
+/// The rings of a tube's vertices, each with its corners: one vertex more, for the seam.
+fn rows<'v, V>(branch: &Branch, lod: usize, vertices: &'v [V]) -> Vec<(&'v [V], usize)> {
+    let mut rest = vertices;
+    let row = |(_, sides): (usize, u32)| {
+        let (row, after) = rest.split_at(sides as usize + 1);
+        rest = after;
+        (row, sides as usize)
+    };
+    branch.tube(lod).map(row).collect()
+}
+
 #[test]
 fn seams_of_tubes_are_closed_to_the_bit() {
     for (name, branch) in branches() {
         for lod in 0..branch.rings.len() {
             let template = tube(&branch, lod, 0.5);
-            let (rings, sides) = branch.tube(lod);
-            for row in
-                template.vertices[..rings * (sides as usize + 1)].chunks_exact(sides as usize + 1)
-            {
-                let (first, last) = (&row[0], &row[sides as usize]);
+            for (row, sides) in rows(&branch, lod, &template.vertices) {
+                let (first, last) = (&row[0], &row[sides]);
                 assert_eq!(
                     (first.axis, first.offset, first.normal),
                     (last.axis, last.offset, last.normal),
@@ -112,10 +120,8 @@ fn seams_of_tubes_are_closed_to_the_bit() {
                 );
             }
             let turned = turned(&template);
-            for row in turned.bark.vertices[..rings * (sides as usize + 1)]
-                .chunks_exact(sides as usize + 1)
-            {
-                let (first, last) = (&row[0], &row[sides as usize]);
+            for (row, sides) in rows(&branch, lod, &turned.bark.vertices) {
+                let (first, last) = (&row[0], &row[sides]);
                 assert_eq!(first.position, last.position, "{name}, LOD {lod}, placed");
                 assert_eq!(first.normal, last.normal, "{name}, LOD {lod}, placed");
             }
@@ -149,27 +155,23 @@ fn turned(template: &Template) -> Mesh {
 fn bark_does_not_swim_between_lods() {
     for (name, branch) in branches() {
         let finest = tube(&branch, 0, 0.5);
-        let (finest_rings, finest_sides) = branch.tube(0);
+        let finest = rows(&branch, 0, &finest.vertices);
         for lod in 1..branch.rings.len() {
             let coarse = tube(&branch, lod, 0.5);
-            let (rings, sides) = branch.tube(lod);
-            for (row, ring) in branch.rings[lod][..rings].iter().enumerate() {
-                let twin = branch.rings[0][..finest_rings]
-                    .iter()
-                    .position(|r| r == ring)
+            let coarse = rows(&branch, lod, &coarse.vertices);
+            for ((row, sides), (ring, _)) in coarse.into_iter().zip(branch.tube(lod)) {
+                let twin = branch
+                    .tube(0)
+                    .position(|(r, _)| r == ring)
                     .unwrap_or_else(|| panic!("{name}: ring {ring} is not among the finest"));
-                let fine = &finest.vertices[twin * (finest_sides as usize + 1)..];
-                let row = &coarse.vertices[row * (sides as usize + 1)..];
+                let (fine, finest_sides) = finest[twin];
                 // The seam's two sides carry u = 0 and u = whole repeats.
                 assert_eq!(row[0].uv, fine[0].uv, "{name}, LOD {lod}");
-                assert_eq!(
-                    row[sides as usize].uv, fine[finest_sides as usize].uv,
-                    "{name}, LOD {lod}"
-                );
-                assert_eq!(row[sides as usize].uv[0].fract(), 0.0, "whole repeats");
+                assert_eq!(row[sides].uv, fine[finest_sides].uv, "{name}, LOD {lod}");
+                assert_eq!(row[sides].uv[0].fract(), 0.0, "whole repeats");
                 // A texel of bark stays at its angle about the stem.
-                for side in 0..=sides as usize {
-                    let part = row[side].uv[0] / row[sides as usize].uv[0];
+                for side in 0..=sides {
+                    let part = row[side].uv[0] / row[sides].uv[0];
                     let even = side as f32 / sides as f32;
                     assert!((part - even).abs() < 1e-6, "{name}, LOD {lod}");
                 }

@@ -44,7 +44,7 @@ fn every_item_is_on_all_planes_of_one_clump_and_inside_their_rectangles() {
     assert!(items.iter().any(|i| i.foliage) && items.iter().any(|i| !i.foliage));
     for (level, sides) in [(true, 3), (false, 2)] {
         for count in [1, 2, 7, 32] {
-            let planes = planes::clumps(&items, count, 0.4, level);
+            let planes = planes::clumps(&items, count, 0.4, (level, true));
             assert_eq!(planes.len(), count * sides);
             assert_eq!(shown(&items, &planes), vec![sides; items.len()]);
             for clump in planes.chunks(sides) {
@@ -71,8 +71,8 @@ fn every_item_is_on_all_planes_of_one_clump_and_inside_their_rectangles() {
 #[test]
 fn clumps_of_fewer_items_than_asked_for_are_one_an_item_and_none_of_nothing() {
     let items = planes::items(&full());
-    assert!(planes::clumps(&[], 4, 0.0, true).is_empty());
-    let planes = planes::clumps(&items[..3], 8, 0.0, true);
+    assert!(planes::clumps(&[], 4, 0.0, (true, true)).is_empty());
+    let planes = planes::clumps(&items[..3], 8, 0.0, (true, true));
     assert_eq!(planes.len(), 9);
     assert_eq!(shown(&items[..3], &planes), [3; 3]);
 }

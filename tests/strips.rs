@@ -6,7 +6,7 @@ use common::{cases, scripts, small};
 use pleach::impostor::planes::strips::{self, Bend, Fit, Strip};
 use pleach::impostor::planes::{Item, Plane};
 use pleach::math::{Quat, Similarity, Vec3};
-use pleach::mesh::card::{self, Quad, UvRect};
+use pleach::mesh::card::{self, Pane, Quad, UvRect};
 use pleach::mesh::check;
 use pleach::pipeline::{self, Settings};
 use pleach::report::Quiet;
@@ -113,7 +113,7 @@ fn strips_of_a_straight_branch_are_its_flat_planes() {
         half: plane.half,
         thick: 0.0,
         captured_thickness: 1.0,
-        uv: UvRect::ALL,
+        pane: Pane::ALL,
     };
     let flat = card::quads(&planes.iter().map(quad).collect::<Vec<_>>());
     let strips = strips::template(&fit.strips(&cuts), &[UvRect::ALL; 2], &[1.0; 2]);

@@ -149,7 +149,8 @@ fn all_vertices_sway_and_only_leaves_turn() {
             Vec3::new(x, y, z).length()
         });
         let longest = longest.fold(0.0, f32::max);
-        assert!((0.98..1.02).contains(&longest), "{longest} of the reach");
+        // The reach is that of whole cards; they are trimmed to what they show.
+        assert!((0.8..1.02).contains(&longest), "{longest} of the reach");
     }
 }
 
@@ -220,14 +221,13 @@ impl Walk<'_> {
                 self.foliage += count(node.part.full_triangles()) + 2;
             }
             Part::Branch(branch) => {
-                let (rings, sides) = branch.tube(self.lod);
-                let row = sides as usize + 1;
                 let sway = |vertex: usize| bands(&self.mesh.bark.sway[self.bark + vertex]);
-                let lod = self.lod.min(branch.rings.len() - 1);
-                for (ring, &at) in branch.rings[lod][..rings].iter().enumerate() {
-                    line.push((branch.axis[at as usize].t, sway(ring * row)));
+                let mut vertex = 0;
+                for (ring, sides) in branch.tube(self.lod) {
+                    line.push((branch.axis[ring].t, sway(vertex)));
+                    vertex += sides as usize + 1;
                 }
-                line.push((1.0, sway(rings * row)));
+                line.push((1.0, sway(vertex)));
                 first = line[0].1;
                 self.bark += count(branch.vertices(self.lod));
             }

@@ -15,11 +15,13 @@ use super::plan::{Plan, PlaneSet, Subject, VIEWS};
 use super::raster::{Foliage, Textures};
 use super::studio::{self, Node, Studio};
 use crate::image::atlas::{self, Rect, Wanted};
+use crate::image::cutouts::ALPHA_CUTOFF;
+use crate::image::trim::trimmed;
 use crate::image::{Image, Texel};
 use crate::impostor::cross_quad::{CrossQuads, scaled};
 use crate::math::{Bounds, Quat, Similarity, Vec3, float};
 use crate::mesh::TooLarge;
-use crate::mesh::card::{Quad, UvRect};
+use crate::mesh::card::{Pane, Quad, UvRect};
 use crate::report::{Cancelled, MachineFault, Progress, Warning};
 use crate::tree::{Kind, Part, Tree};
 
@@ -165,12 +167,8 @@ pub fn bake_with(
     let mut atlas = Image::filled(settings.atlas_size, settings.atlas_size, Texel::EMPTY);
     let kinds = leaves.kinds();
     let leaf_rects = &rects[plan.captures()..plan.captures() + kinds];
-    for (kind, rect) in leaf_rects.iter().enumerate() {
-        let (width, height) = inner_size(rect);
-        copy_into(&mut atlas, rect, &leaves.draw(kind, width, height));
-    }
-    let uv = |rect: &Rect| uv_of(rect, settings.atlas_size);
-    let quads = CrossQuads::none(tree, leaf_rects.iter().map(uv).collect());
+    let panes = draw_leaves(&mut atlas, leaf_rects, leaves);
+    let quads = CrossQuads::none(tree, panes);
     let sources = sources(tree, plan, settings.source);
     warnings.extend(from_captures(tree, &sources));
     progress.begin("captures", (plan.subjects.len() + plan.sets.len()) as u64);
@@ -369,7 +367,7 @@ impl Stage<'_> {
             let capture = studio::mounted(picture);
             copy_into(&mut self.atlas, rect, &capture.image);
             quads.push(Quad {
-                uv: uv_of(rect, self.settings.atlas_size),
+                pane: pane(rect, self.settings.atlas_size, &capture.image),
                 ..capture.quad
             });
         }
@@ -385,7 +383,7 @@ const LEAF_SHEET: u32 = 512;
 ///
 /// # Errors
 /// If there are too many kinds.
-pub fn leaf_sheet(leaves: &dyn LeafArtwork) -> Result<(Image<Texel>, Vec<UvRect>), BakeError> {
+pub fn leaf_sheet(leaves: &dyn LeafArtwork) -> Result<(Image<Texel>, Vec<Pane>), BakeError> {
     let wanted: Vec<Wanted> = (0..leaves.kinds())
         .map(|kind| {
             let aspect = leaves.aspect(kind);
@@ -401,12 +399,20 @@ pub fn leaf_sheet(leaves: &dyn LeafArtwork) -> Result<(Image<Texel>, Vec<UvRect>
         size: LEAF_SHEET,
     })?;
     let mut sheet = Image::filled(LEAF_SHEET, LEAF_SHEET, Texel::EMPTY);
+    let panes = draw_leaves(&mut sheet, &rects, leaves);
+    Ok((sheet, panes))
+}
+
+/// Draws the leaf kinds into their parts of an atlas.
+fn draw_leaves(atlas: &mut Image<Texel>, rects: &[Rect], leaves: &dyn LeafArtwork) -> Vec<Pane> {
+    let mut panes = Vec::new();
     for (kind, rect) in rects.iter().enumerate() {
         let (width, height) = inner_size(rect);
-        copy_into(&mut sheet, rect, &leaves.draw(kind, width, height));
+        let image = leaves.draw(kind, width, height);
+        copy_into(atlas, rect, &image);
+        panes.push(pane(rect, atlas.width(), &image));
     }
-    let places = rects.iter().map(|rect| uv_of(rect, LEAF_SHEET));
-    Ok((sheet, places.collect()))
+    panes
 }
 
 /// Gives a branch type's quads to all prototypes of that type.
@@ -569,6 +575,19 @@ fn uv_of(rect: &Rect, size: u32) -> UvRect {
         v0: part(rect.y + 1),
         u1: part(rect.x + rect.width - 1),
         v1: part(rect.y + rect.height - 1),
+    }
+}
+
+/// Corners may lie so many texels outside of a part of the atlas: over its border and most of its gutter, where
+/// no mip that is used shows anything.
+const TRIM_OVER: f32 = 3.0;
+
+/// An image at its place in an atlas, trimmed to what it shows.
+fn pane(rect: &Rect, size: u32, image: &Image<Texel>) -> Pane {
+    let is_there = |x, y| image.at(x, y).alpha >= ALPHA_CUTOFF;
+    Pane {
+        uv: uv_of(rect, size),
+        corners: trimmed((image.width(), image.height()), TRIM_OVER, is_there),
     }
 }
 

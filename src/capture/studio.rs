@@ -12,7 +12,7 @@ use crate::impostor::cross_quad::{self, CrossQuads, RIGHT};
 use crate::impostor::planes::{self, Plane, strips};
 use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3};
-use crate::mesh::card::{Quad, UvRect};
+use crate::mesh::card::{Pane, Quad};
 use crate::mesh::{Flattener, Mesh, TooLarge, Vertex};
 use crate::tree::{Part, Tree};
 
@@ -278,7 +278,7 @@ pub(super) fn mounted(picture: Picture) -> Capture {
             half,
             thick: shot.thick.min(half[0] * 0.95),
             captured_thickness: shot.thickness,
-            uv: UvRect::ALL,
+            pane: Pane::ALL,
         },
     }
 }

@@ -7,6 +7,7 @@ pub mod mips;
 pub mod png;
 pub mod scan;
 pub mod steady;
+pub mod trim;
 
 use crate::math::{byte_from_unit, srgb_from_linear};
 

@@ -11,7 +11,7 @@
 
 use crate::lod::{Form as LodForm, State};
 use crate::math::Vec3;
-use crate::mesh::card::{self, Quad, Relief, UvRect};
+use crate::mesh::card::{self, Pane, Quad, Relief};
 use crate::mesh::{Form, Template, tube};
 use crate::tree::{Branch, Kind, Part, Prototype, Tree};
 
@@ -24,14 +24,14 @@ pub struct CrossQuads {
     pub branches: Vec<Vec<Option<[Quad; 2]>>>,
     /// Sets of planes, in the order of the plan that was captured.
     pub sets: Vec<Vec<Quad>>,
-    /// By leaf kind: its part of the atlas.
-    pub leaves: Vec<UvRect>,
+    /// By leaf kind: its picture in the atlas.
+    pub leaves: Vec<Pane>,
 }
 
 impl CrossQuads {
     /// Nothing captured yet.
     #[must_use]
-    pub fn none(tree: &Tree, leaves: Vec<UvRect>) -> Self {
+    pub fn none(tree: &Tree, leaves: Vec<Pane>) -> Self {
         let empty: Vec<Vec<Option<[Quad; 2]>>> = tree
             .levels
             .iter()
@@ -80,7 +80,7 @@ impl CrossQuads {
     #[must_use]
     pub fn reliefs(&self) -> Vec<Relief> {
         let relief = |quad: &Quad| Relief {
-            uv: quad.uv,
+            uv: quad.pane.uv,
             longer: 2.0 * quad.half[0].max(quad.half[1]),
         };
         let all = self
@@ -105,12 +105,8 @@ impl CrossQuads {
                 width,
                 fold,
             } => {
-                let uv = self
-                    .leaves
-                    .get(kind as usize)
-                    .copied()
-                    .unwrap_or(UvRect::ALL);
-                Some(card::leaf(length, width, fold, uv))
+                let pane = self.leaves.get(kind as usize).unwrap_or(&Pane::ALL);
+                Some(card::leaf(length, width, fold, pane))
             }
         }
     }

@@ -8,12 +8,13 @@ use super::MeasureError;
 use super::silhouette::{Cutouts, Silhouette, seen_bounds};
 use super::views::{Direction, calibration, sphere};
 use crate::capture::{CAPTURE_SPLINE_LOD, View};
+use crate::image::trim::trimmed;
 use crate::impostor::cross_quad::CrossQuads;
 use crate::impostor::planes::Plane;
 use crate::impostor::planes::strips::{self, Strip};
 use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3};
-use crate::mesh::card::{Quad, UvRect};
+use crate::mesh::card::{Pane, Quad, UvRect};
 use crate::mesh::{Flattener, Form, Mesh, TooLarge, card};
 use crate::report::{Cancelled, Progress};
 use crate::tree::{Kind, Tree};
@@ -42,6 +43,8 @@ pub(super) struct Gauge<'a> {
     pub(super) turns: &'a [Quat],
     /// Triangle budgets.
     pub(super) budgets: &'a [u64],
+    /// Edge of the atlas, texels.
+    pub(super) atlas_size: u32,
     /// Asked whether to give up.
     pub(super) progress: &'a dyn Progress,
 }
@@ -509,7 +512,12 @@ impl TrialQuad {
                 half: plane.half,
                 thick: 0.0,
                 captured_thickness: 1.0,
-                uv: UvRect::ALL,
+                pane: Pane {
+                    corners: trimmed((view.width, view.height), 0.0, |x, y| {
+                        silhouette.covered[y as usize * view.width as usize + x as usize]
+                    }),
+                    ..Pane::ALL
+                },
             },
             cutouts: silhouette.cutouts(),
         }

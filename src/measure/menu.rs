@@ -105,7 +105,8 @@ const FITTED: [usize; 7] = [3, 4, 6, 8, 12, 16, 24];
 /// Numbers of clumps that are tried, as long as each has [`CLUMP_CARDS`].
 const CLUMPS: [usize; 5] = [2, 4, 8, 16, 32];
 
-/// Most clumps of a whole tree: more would leave each, and all else in the atlas, too few texels.
+/// Most clumps of a sub-tree in an atlas of 1024 texels along an edge: more would leave each, and all else in
+/// it, too few texels. Other atlases hold as many more or fewer as they have texels.
 const MOST_CLUMPS: u64 = 100;
 
 /// Fewest leaf cards of a clump, in the mean.
@@ -123,7 +124,7 @@ pub const SCALES: [f32; 2] = [0.85, 1.25];
 /// Finds and measures all forms.
 ///
 /// `cutouts` holds the leaf kinds, whose places `leaves` gives; `turns` how the mean node of each level
-/// stands; `budgets` what the forms are meant for. Each prototype is a step of `progress`.
+/// stands; `budgets` what the forms are meant for; `atlas_size` the edge of the atlas that will show them, texels. Each prototype is a step of `progress`.
 ///
 /// # Errors
 /// If a sub-tree is too large for 32-bit indices, or `progress` says so.
@@ -132,7 +133,7 @@ pub fn forms(
     lod: &Lod,
     leaves: &CrossQuads,
     cutouts: &Cutouts,
-    (turns, budgets): (&[Quat], &[u64]),
+    (turns, budgets, atlas_size): (&[Quat], &[u64], u32),
     progress: &dyn Progress,
 ) -> Result<Forms, MeasureError> {
     let gauge = Gauge {
@@ -141,6 +142,7 @@ pub fn forms(
         cutouts,
         turns,
         budgets,
+        atlas_size,
         progress,
     };
     let seats: Vec<(usize, usize)> = (0..tree.levels.len())
@@ -405,7 +407,8 @@ impl Gauge<'_> {
             counts.sort_unstable();
             counts.dedup();
         }
-        counts.retain(|&count| CLUMP_CARDS * count as u64 <= leaves);
+        let fits = |count: u64| count << 20 <= MOST_CLUMPS * u64::from(self.atlas_size).pow(2);
+        counts.retain(|&count| CLUMP_CARDS * count as u64 <= leaves && fits(count as u64));
         counts
     }
 
@@ -496,7 +499,7 @@ impl Gauge<'_> {
                 }
                 for count in self.clump_counts(level, leaves) {
                     self.go_on()?;
-                    let set = planes::clumps(&items, count, turn, true);
+                    let set = planes::clumps(&items, count, turn, (true, level == 0));
                     sets.push(attempt(set, format!("clumps {count}")));
                 }
                 // More planes than leaves are the leaves themselves.

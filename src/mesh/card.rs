@@ -1,6 +1,7 @@
 //! Leaf cards and the quads of cross-quads.
 
 use super::template::{Material, Template, TemplateVertex};
+use crate::image::trim::{Corners, WHOLE};
 use crate::math::Vec3;
 
 /// Part of a texture: `u0, v0` its upper left corner, `u1, v1` its lower right, in 0..=1.
@@ -26,38 +27,67 @@ impl UvRect {
     };
 }
 
+/// A picture in a texture: its part, and the outline of what it shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pane {
+    /// Its part of the texture.
+    pub uv: UvRect,
+    /// The outline's corners; see [`trimmed`](crate::image::trim::trimmed).
+    pub corners: Corners,
+}
+
+impl Pane {
+    /// A whole texture, untrimmed.
+    pub const ALL: Self = Self {
+        uv: UvRect::ALL,
+        corners: WHOLE,
+    };
+
+    /// Texture coordinates of a place that reaches from -1 to 1, y up.
+    fn uv_at(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let UvRect { u0, v0, u1, v1 } = self.uv;
+        // Exact at the ends.
+        let mix = |a: f32, b: f32, part: f32| a * (0.5 - 0.5 * part) + b * (0.5 + 0.5 * part);
+        [mix(u0, u1, x), mix(v1, v0, y)]
+    }
+}
+
 /// How far the normals at a leaf card's two long edges lean outward, radians: rounds the shading of a
 /// flat card a little, as a real blade's cross-section does.
 const EDGE_LEAN: f32 = 0.35;
 
 /// A leaf card: stalk at the origin, along +Y, upper side toward +Z; folded up along its midrib by
-/// `fold` radians (4 triangles) or flat (2 triangles).
+/// `fold` radians (4 triangles) or flat (2 triangles), trimmed to what it shows.
 #[must_use]
-pub fn leaf(length: f32, width: f32, fold: f32, uv: UvRect) -> Template {
-    let columns: &[f32] = if fold == 0.0 {
-        &[-1.0, 1.0]
+pub fn leaf(length: f32, width: f32, fold: f32, pane: &Pane) -> Template {
+    let corners = &pane.corners;
+    // Columns of two corners each.
+    let columns: Vec<[[f32; 2]; 2]> = if fold == 0.0 {
+        vec![[corners[0], corners[2]], [corners[1], corners[3]]]
     } else {
-        &[-1.0, 0.0, 1.0]
+        // A fold is straight: the box around the outline, on both sides of it.
+        let all = |axis: usize| corners.iter().map(move |c| c[axis]);
+        let [left, bottom] = [0, 1].map(|axis| all(axis).fold(1.0_f32, f32::min));
+        let [right, top] = [0, 1].map(|axis| all(axis).fold(-1.0_f32, f32::max));
+        let columns = [left.min(-NARROWEST), 0.0, right.max(NARROWEST)];
+        columns.map(|x| [[x, bottom], [x, top]]).to_vec()
     };
     let (fold_sine, fold_cosine) = libm::sincosf(fold);
     let mut template = Template {
         material: Material::Foliage,
         ..Template::default()
     };
-    for &column in columns {
-        let side = column * width * 0.5;
-        let lean = column * (EDGE_LEAN - fold);
-        let (sine, cosine) = libm::sincosf(lean);
+    for &[x, y] in columns.iter().flatten() {
+        let side = x * width * 0.5;
+        let (sine, cosine) = libm::sincosf(x * (EDGE_LEAN - fold));
         let out = Vec3::new(side * fold_cosine, 0.0, side.abs() * fold_sine);
-        for (y, v) in [(0.0, uv.v1), (length, uv.v0)] {
-            template.vertices.push(TemplateVertex {
-                axis: out + Vec3::Y * y,
-                offset: Vec3::ZERO,
-                normal: Vec3::new(sine, 0.0, cosine),
-                tangent: Vec3::new(cosine, 0.0, -sine),
-                uv: [uv.u0 + (uv.u1 - uv.u0) * (column * 0.5 + 0.5), v],
-            });
-        }
+        template.vertices.push(TemplateVertex {
+            axis: out + Vec3::Y * (length * (y * 0.5 + 0.5)),
+            offset: Vec3::ZERO,
+            normal: Vec3::new(sine, 0.0, cosine),
+            tangent: Vec3::new(cosine, 0.0, -sine),
+            uv: pane.uv_at([x, y]),
+        });
     }
     for column in 0..u32::try_from(columns.len()).unwrap_or(2) - 1 {
         let a = column * 2;
@@ -65,6 +95,9 @@ pub fn leaf(length: f32, width: f32, fold: f32, uv: UvRect) -> Template {
     }
     template
 }
+
+/// Least half of a folded card, as a part of its half width.
+const NARROWEST: f32 = 0.05;
 
 /// One captured quad of a cross-quad or of a set of planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,8 +114,8 @@ pub struct Quad {
     pub thick: f32,
     /// Thickness of the node that was captured: at this thickness the quad has its half width.
     pub captured_thickness: f32,
-    /// Its part of the atlas.
-    pub uv: UvRect,
+    /// Its picture in the atlas.
+    pub pane: Pane,
 }
 
 impl Quad {
@@ -121,7 +154,7 @@ pub struct Relief {
     pub longer: f32,
 }
 
-/// The quads of one node, each 2 triangles, seen from both sides.
+/// The quads of one node, each 2 triangles, seen from both sides, trimmed to what they show.
 #[must_use]
 pub fn quads(quads: &[Quad]) -> Template {
     let mut template = Template {
@@ -131,12 +164,7 @@ pub fn quads(quads: &[Quad]) -> Template {
     for quad in quads {
         let base = u32::try_from(template.vertices.len()).unwrap_or(u32::MAX);
         let normal = quad.right.cross(quad.up);
-        for (x, y, uv) in [
-            (-1.0, -1.0, [quad.uv.u0, quad.uv.v1]),
-            (1.0, -1.0, [quad.uv.u1, quad.uv.v1]),
-            (-1.0, 1.0, [quad.uv.u0, quad.uv.v0]),
-            (1.0, 1.0, [quad.uv.u1, quad.uv.v0]),
-        ] {
+        for [x, y] in quad.pane.corners {
             let across = quad.right * x;
             template.vertices.push(TemplateVertex {
                 axis: quad.centre
@@ -145,7 +173,7 @@ pub fn quads(quads: &[Quad]) -> Template {
                 offset: across * (quad.thick / quad.captured_thickness),
                 normal,
                 tangent: quad.right,
-                uv,
+                uv: quad.pane.uv_at([x, y]),
             });
         }
         template

@@ -93,7 +93,8 @@ pub fn junctions(tree: &Tree) -> Result<(), String> {
                     continue;
                 };
                 let ring = child.axis[0].radius * link.place.scale * link.thickness;
-                // A regular triangle's inscribed circle has half the radius of its corners.
+                // A regular triangle's inscribed circle has half the radius of its corners; that both tubes' corners
+                // stand off alike leaves a little more.
                 let room = parent.at(link.at).radius * thinnest * 0.5;
                 if ring > room {
                     return Err(format!(

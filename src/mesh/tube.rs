@@ -6,52 +6,63 @@
 //! over whole repeats around the stem, the same in every LOD.
 
 use super::template::{Material, Template, TemplateVertex};
-use crate::math::{TAU, Vec3};
+use crate::math::{PI, TAU, Vec3};
 use crate::tree::{AxisSample, Branch};
 
 /// Builds the tube of a branch at a geometry LOD; `bark_height` is the real height of one repeat, metres.
 #[must_use]
 pub fn tube(branch: &Branch, lod: usize, bark_height: f32) -> Template {
-    let lod = lod.min(branch.rings.len() - 1);
-    let (full, sides) = branch.tube(lod);
+    let rings = branch.tube(lod);
     let repeats = (TAU * branch.radius / bark_height).round().max(1.0);
     let mut template = Template {
         material: Material::Bark,
         ..Template::default()
     };
-    for &ring in &branch.rings[lod][..full] {
+    for (ring, sides) in rings.clone() {
         for side in 0..=sides {
-            template.vertices.push(on_ring(
-                branch,
-                ring as usize,
-                side,
-                sides,
-                repeats,
-                bark_height,
-            ));
+            let vertex = on_ring(branch, ring, side, sides, repeats, bark_height);
+            template.vertices.push(vertex);
         }
     }
     let last = branch.axis.len() - 1;
-    for side in 0..sides {
+    let rim = rings.clone().last().map_or(0, |(_, sides)| sides);
+    for side in 0..rim {
         template
             .vertices
-            .push(apex(branch, last, side, sides, repeats, bark_height));
+            .push(apex(branch, last, side, rim, repeats, bark_height));
     }
-    let row = sides + 1;
-    for ring in 0..u32::try_from(full).unwrap_or(u32::MAX) - 1 {
-        for side in 0..sides {
-            let a = ring * row + side;
-            let (b, c, d) = (a + 1, a + row, a + row + 1);
-            template.indices.extend([a, b, d, a, d, c]);
-        }
+    let mut lower = 0;
+    for ((_, sides), (_, next)) in rings.clone().zip(rings.skip(1)) {
+        let upper = lower + sides + 1;
+        stitch((lower, sides), (upper, next), &mut template.indices);
+        lower = upper;
     }
-    let rim = (u32::try_from(full).unwrap_or(u32::MAX) - 1) * row;
-    for side in 0..sides {
-        template
-            .indices
-            .extend([rim + side, rim + side + 1, rim + row + side]);
+    for side in 0..rim {
+        let edge = lower + side;
+        template.indices.extend([edge, edge + 1, edge + rim + 1]);
     }
     template
+}
+
+/// The band between two rings, each given by its first vertex and its corners: a triangle on each edge of both,
+/// and a diagonal from the lower ring's edge to the upper one's end where both edges are alike.
+fn stitch((lower, sides): (u32, u32), (upper, next): (u32, u32), indices: &mut Vec<u32>) {
+    let (mut i, mut j) = (0, 0);
+    while i < sides || j < next {
+        // The edge that ends first is next; ends are compared as fractions of the way round.
+        if j == next || (i < sides && (i + 1) * next <= (j + 1) * sides) {
+            let ahead = u32::from(j < next && (i + 1) * next == (j + 1) * sides);
+            indices.extend([lower + i, lower + i + 1, upper + j + ahead]);
+            if ahead == 1 {
+                indices.extend([lower + i, upper + j + 1, upper + j]);
+                j += 1;
+            }
+            i += 1;
+        } else {
+            indices.extend([lower + i, upper + j + 1, upper + j]);
+            j += 1;
+        }
+    }
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a few dozen corners")]
@@ -77,11 +88,20 @@ fn on_ring(
         (out - around * (lobe_slope / lobe) - up * slope(&branch.axis, at)).normalize_or(out);
     TemplateVertex {
         axis: sample.position,
-        offset: out * (sample.radius * lobe),
+        offset: out * (sample.radius * lobe * widened(sides)),
         normal,
         tangent: (around - normal * around.dot(normal)).normalize_or(around),
         uv: [part * repeats, -along / height],
     }
+}
+
+/// How much larger a ring's corners stand off so that it is seen as wide as the round branch, mean over
+/// directions: the mean width of a convex outline is its perimeter over pi (Cauchy's formula). Corners on the
+/// branch itself would lose a sixth of it with three sides.
+#[expect(clippy::cast_precision_loss, reason = "a few dozen corners")]
+fn widened(sides: u32) -> f32 {
+    let sides = sides.max(3) as f32;
+    PI / (sides * libm::sinf(PI / sides))
 }
 
 /// Change of the radius per metre along the branch.

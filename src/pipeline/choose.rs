@@ -485,7 +485,8 @@ impl Fitting<'_> {
                 .map(|q| card::quads(&q.map(|q| q.scaled_on(level, own * scale)))),
             Look::Planes(set) => self.used.places[level][prototype][index].map(|place| {
                 if !set.strips.is_empty() {
-                    let uvs: Vec<card::UvRect> = quads.sets[place].iter().map(|q| q.uv).collect();
+                    let uvs: Vec<card::UvRect> =
+                        quads.sets[place].iter().map(|q| q.pane.uv).collect();
                     let scales: Vec<f32> = set.scales.iter().map(|own| own * scale).collect();
                     return strips::template(&set.strips, &uvs, &scales);
                 }

@@ -407,6 +407,7 @@ fn forms(
         (
             &turns,
             settings.budgets.as_deref().unwrap_or(&species.lod.budgets),
+            settings.captures.atlas_size,
         ),
         progress,
     )?))

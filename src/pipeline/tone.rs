@@ -289,11 +289,11 @@ fn groups(quads: &CrossQuads) -> Vec<Vec<UvRect>> {
         .chain(&quads.branches)
         .flatten()
         .flatten();
-    let pairs = pairs.map(|pair| pair.iter().map(|q| q.uv).collect::<Vec<_>>());
+    let pairs = pairs.map(|pair| pair.iter().map(|q| q.pane.uv).collect::<Vec<_>>());
     let sets = quads
         .sets
         .iter()
-        .map(|set| set.iter().map(|q| q.uv).collect());
+        .map(|set| set.iter().map(|q| q.pane.uv).collect());
     let mut groups: Vec<Vec<UvRect>> = Vec::new();
     for group in pairs.chain(sets) {
         // Levels whose branches have one shape share its captures.

@@ -1,6 +1,6 @@
 //! A branch prototype's own part: a curve with frames and radii, and the rings of its geometry LODs.
 
-use crate::math::{Quat, Vec3, smoothstep};
+use crate::math::{Quat, Vec3, float, round_to_u32, smoothstep};
 use crate::species::schema::{Curve, Flare, Flutes, Knots};
 use crate::spline::{CatmullRom, Refinement, SAMPLES_PER_SPAN};
 
@@ -17,8 +17,8 @@ pub struct Branch {
     pub axis: Vec<AxisSample>,
     /// Rings of each geometry LOD, as indices into `axis`, rising; LOD 0 is the finest.
     pub rings: Vec<Vec<u16>>,
-    /// Corners of the cross-section in each geometry LOD, at least 3.
-    pub sides: Vec<u32>,
+    /// Corners of each full ring of each geometry LOD, at least 3; never more than those of the ring before.
+    pub sides: Vec<Vec<u8>>,
     /// True if the end is closed by a dome rather than drawn out to a point.
     pub blunt: bool,
     /// Lobes of the cross-section.
@@ -92,9 +92,6 @@ pub(super) struct Recipe<'a> {
     pub(super) tolerances: &'a [f32],
 }
 
-/// Corners of a coarser LOD as a part of the finest's.
-const SIDES_BY_LOD: [f32; 8] = [1.0, 0.75, 0.5, 0.375, 0.25, 0.2, 0.2, 0.2];
-
 /// An end thicker than this part of the base is closed by a dome, not drawn out to a point.
 const BLUNT_ABOVE: f32 = 0.25;
 
@@ -115,13 +112,19 @@ impl Branch {
             .collect();
         let finest = recipe.tolerances.first().copied().unwrap_or(0.01);
         let refinement = Refinement::run(&shape, &control, finest * recipe.length);
-        let tolerances = recipe.tolerances.iter();
-        #[expect(clippy::cast_precision_loss, reason = "a few dozen corners")]
-        let sides = |lod: usize| {
-            let part = SIDES_BY_LOD[lod.min(SIDES_BY_LOD.len() - 1)];
-            crate::math::round_to_u32(recipe.sides as f32 * part).max(3)
-        };
+        let rings: Vec<Vec<u16>> = recipe
+            .tolerances
+            .iter()
+            .map(|&t| refinement.points(t * recipe.length))
+            .collect();
         let end = recipe.taper.at(1.0);
+        let blunt = end > BLUNT_ABOVE * recipe.taper.max();
+        let sides = |(lod, rings): (usize, &Vec<u16>)| {
+            // A pointed branch ends in an apex where the last ring would be.
+            let full = if blunt { rings.len() } else { rings.len() - 1 };
+            recipe.corners(lod, &axis, &rings[..full])
+        };
+        let sides: Vec<Vec<u8>> = rings.iter().enumerate().map(sides).collect();
         let flutes = recipe.flutes.map_or((0.0, 0.0, 0.0), |f| {
             (count(f.count), f.depth, f.twist_turns * crate::math::TAU)
         });
@@ -141,12 +144,9 @@ impl Branch {
             length: recipe.length,
             radius: recipe.radius,
             axis,
-            rings: tolerances
-                .clone()
-                .map(|&t| refinement.points(t * recipe.length))
-                .collect(),
-            sides: (0..recipe.tolerances.len()).map(sides).collect(),
-            blunt: end > BLUNT_ABOVE * recipe.taper.max(),
+            rings,
+            sides,
+            blunt,
             lobes: Lobes {
                 flutes,
                 buttresses,
@@ -172,37 +172,68 @@ impl Branch {
         }
     }
 
-    /// Rings that are full circles, and corners, of a geometry LOD. LODs past the last are the last.
-    #[must_use]
-    pub fn tube(&self, lod: usize) -> (usize, u32) {
+    /// The rings of a geometry LOD that are full circles, as indices into `axis`, with their corners. LODs past
+    /// the last are the last.
+    pub fn tube(&self, lod: usize) -> impl ExactSizeIterator<Item = (usize, u32)> + Clone + '_ {
         let lod = lod.min(self.rings.len() - 1);
-        let rings = self.rings[lod].len();
-        // A pointed branch ends in an apex where the last ring would be.
-        (if self.blunt { rings } else { rings - 1 }, self.sides[lod])
+        let rings = self.rings[lod].iter().zip(&self.sides[lod]);
+        rings.map(|(&ring, &sides)| (usize::from(ring), u32::from(sides)))
     }
 
     /// Triangles of a geometry LOD.
     #[must_use]
     pub fn triangles(&self, lod: usize) -> u64 {
-        let (rings, sides) = self.tube(lod);
-        u64::from(sides) * (2 * (rings as u64 - 1) + 1)
+        // Between two rings a triangle stands on each edge of both; the apex stands on the last ring.
+        let sides = self.tube(lod).map(|(_, sides)| u64::from(sides));
+        let first = sides.clone().next().unwrap_or(0);
+        2 * sides.sum::<u64>() - first
     }
 
     /// Vertices of a geometry LOD: each ring has a seam, the apex one vertex a side.
     #[must_use]
     pub fn vertices(&self, lod: usize) -> u64 {
-        let (rings, sides) = self.tube(lod);
-        rings as u64 * (u64::from(sides) + 1) + u64::from(sides)
+        let sides = self.tube(lod).map(|(_, sides)| u64::from(sides));
+        let last = sides.clone().last().unwrap_or(0);
+        sides.map(|sides| sides + 1).sum::<u64>() + last
     }
 
     pub(super) fn bytes(&self) -> usize {
         self.axis.len() * size_of::<AxisSample>()
             + self.rings.iter().map(|r| r.len() * 2).sum::<usize>()
-            + self.sides.len() * 4
+            + self.sides.iter().map(Vec::len).sum::<usize>()
     }
 }
 
 impl Recipe<'_> {
+    /// Corners of the full rings of a geometry LOD.
+    ///
+    /// The outline of a ring with n corners errs by its radius over n squared, so a given number of corners errs
+    /// least in sum if n goes with the cube root of the radius over the tolerance. The finest LOD, and what is
+    /// not round, has as many from base to tip.
+    fn corners(&self, lod: usize, axis: &[AxisSample], rings: &[u16]) -> Vec<u8> {
+        let most = float(self.sides) * libm::cbrtf(self.tolerances[0] / self.tolerances[lod]);
+        let tapers = lod > 0 && self.flutes.is_none() && self.flare.is_none_or(|f| f.lobes == 0);
+        let mut corners = Vec::with_capacity(rings.len());
+        let mut widest = 0.0_f32;
+        for &ring in rings.iter().rev() {
+            // Corners never grow in number from the base to the tip.
+            widest = widest.max(axis[usize::from(ring)].radius);
+            corners.push(widest);
+        }
+        let share = |radius: f32| {
+            if tapers {
+                libm::cbrtf(radius / widest)
+            } else {
+                1.0
+            }
+        };
+        let count = |radius: f32| {
+            let count = round_to_u32(most * share(radius)).max(3);
+            u8::try_from(count).unwrap_or(u8::MAX)
+        };
+        corners.into_iter().rev().map(count).collect()
+    }
+
     fn radius_at(&self, t: f32) -> f32 {
         let along = t * self.length;
         let mut radius = self.radius * self.taper.at(t);

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use pleach::impostor::cross_quad::{CrossQuads, RIGHT};
 use pleach::lod::{Selector, State, Triangles};
 use pleach::math::{Similarity, Vec3};
-use pleach::mesh::card::{Quad, UvRect};
+use pleach::mesh::card::{Pane, Quad};
 use pleach::species::schema::{
     Bark, BarkArt, BarkPattern, Blade, BranchParams, Curve, Habit, Knots, LeafArt, LeafKind,
     LeafLook, LeafParams, Level, LevelKind, Lod, Param, Placement, Size, Species, Spline, Stems,
@@ -438,7 +438,7 @@ pub(crate) fn stand_ins(tree: &Tree) -> CrossQuads {
         half: [0.5, 0.5],
         thick: 0.1,
         captured_thickness: 1.0,
-        uv: UvRect::ALL,
+        pane: Pane::ALL,
     });
     let all: Vec<Vec<Option<[Quad; 2]>>> = tree
         .levels

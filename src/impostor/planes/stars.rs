@@ -1,7 +1,7 @@
 //! Planes that show a whole sub-tree, or a whole clump of it, each: seen from any side, something is seen.
 
 use super::{Item, Plane, items, largest};
-use crate::math::Vec3;
+use crate::math::{PI, Vec3};
 use crate::mesh::Mesh;
 
 /// Rounds of Lloyd's algorithm; clumps need not be settled to the last leaf.
@@ -13,8 +13,15 @@ const CLUMP_SAMPLE: usize = 3000;
 /// `count` clumps of neighbouring items, each as two crossed upright planes and, if `level`, a level one, all
 /// of which show the whole clump. Where fitted planes lose what is seen edge-on, clumps keep their coverage from
 /// all sides; where one cross stands for a whole crown, clumps keep leaves near their places.
+///
+/// Unless they must stay `upright`, pictures are turned in their planes so that least of them is air.
 #[must_use]
-pub fn clumps(items: &[Item], count: usize, turn: f32, level: bool) -> Vec<Plane> {
+pub fn clumps(
+    items: &[Item],
+    count: usize,
+    turn: f32,
+    (level, upright): (bool, bool),
+) -> Vec<Plane> {
     let count = count.min(items.len());
     if count == 0 {
         return Vec::new();
@@ -41,8 +48,13 @@ pub fn clumps(items: &[Item], count: usize, turn: f32, level: bool) -> Vec<Plane
     let shown = members.iter().filter(|m| !m.is_empty());
     shown
         .flat_map(|members| {
-            axes.iter()
-                .map(|&(right, up)| framed(items, members, right, up))
+            axes.iter().map(|&(right, up)| {
+                if upright {
+                    framed(items, members, right, up)
+                } else {
+                    snug(items, members, right, up)
+                }
+            })
         })
         .collect()
 }
@@ -81,6 +93,27 @@ fn clump_middles(points: &[(Vec3, f32)], count: usize) -> Vec<Vec3> {
 /// Index of the nearest of some points; the first of equals.
 fn nearest(middles: &[Vec3], point: Vec3) -> usize {
     largest(middles.iter().map(|m| -m.distance_squared(point)))
+}
+
+/// The frame of least area in the plane of two axes.
+fn snug(items: &[Item], members: &[u32], right: Vec3, up: Vec3) -> Plane {
+    /// Turns that are tried over a quarter turn.
+    const TURNS: u16 = 12;
+    /// A turn must save this part of the area: pictures along the axes are easier to read.
+    const SAVES: f32 = 0.03;
+    let area = |plane: &Plane| plane.half[0] * plane.half[1];
+    let mut best = framed(items, members, right, up);
+    let mut least = area(&best) * (1.0 - SAVES);
+    for turn in 1..TURNS {
+        let (sine, cosine) = libm::sincosf(PI * 0.5 * f32::from(turn) / f32::from(TURNS));
+        let (right, up) = (right * cosine + up * sine, up * cosine - right * sine);
+        let other = framed(items, members, right, up);
+        if area(&other) < least {
+            least = area(&other);
+            best = other;
+        }
+    }
+    best
 }
 
 /// How much more than leaves branches draw a clump's planes toward themselves.
@@ -153,7 +186,7 @@ pub fn star(
     let bounds = mesh.bounds();
     let mut planes = Vec::new();
     for index in 0..upright {
-        let angle = turn + core::f32::consts::PI * f32::from(index) / f32::from(upright);
+        let angle = turn + PI * f32::from(index) / f32::from(upright);
         let (sine, cosine) = libm::sincosf(angle);
         let right = Vec3::new(cosine, 0.0, -sine);
         planes.push(whole(mesh, through, right, Vec3::Y));

@@ -150,6 +150,11 @@ impl<'s> Parser<'s> {
                     self.at += 1;
                     return self.group(Some(slice), span.start);
                 }
+                "Some" => {
+                    self.fault(span.clone(), "expected a value in brackets after `Some`");
+                    self.advise("write `Some(...)`, or the value alone");
+                    Kind::Bad
+                }
                 _ => Kind::Ident(slice.to_owned()),
             },
             Some(Token::Number) => Kind::Number(slice.to_owned()),
