@@ -27,6 +27,10 @@ fn main() -> ExitCode {
         ("a_forest_gives_the_same_picture_twice", same_twice),
         ("draw_calls_do_not_grow_with_the_trees", calls),
         ("what_makes_no_forest_is_refused_in_words", refused),
+        (
+            "an_adapter_without_optional_features_draws_the_same",
+            plain_adapter,
+        ),
     ])
 }
 
@@ -34,7 +38,11 @@ const SIZE: [u32; 2] = [200, 150];
 
 /// The palm with all of its LODs, with its coarsest one alone, and with three in the middle.
 fn renderer() -> Result<Renderer, GpuError> {
-    let mut renderer = Renderer::new(&Gpu::headless()?, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+    renderer_on(&Gpu::headless()?)
+}
+
+fn renderer_on(gpu: &Gpu) -> Result<Renderer, GpuError> {
+    let mut renderer = Renderer::new(gpu, wgpu::TextureFormat::Rgba8UnormSrgb)?;
     let whole = palm().drawable();
     let last = whole.lods.len() - 1;
     for part in [0..=last, last..=last, 1..=3] {
@@ -461,6 +469,18 @@ fn same_twice() -> Outcome {
         return Err("a forest that forgot remembers".into());
     }
     Ok(())
+}
+
+fn plain_adapter() -> Outcome {
+    let scene = seen_from(cameras()[3]);
+    let picture = |renderer: &mut Renderer| -> Result<_, Failed> {
+        let mut forest = renderer.forest(&planted(3_000))?;
+        Ok(renderer.picture_of_forest(&mut forest, &scene, SIZE)?)
+    };
+    if picture(&mut renderer()?)? == picture(&mut renderer_on(&adapter::plain()?)?)? {
+        return Ok(());
+    }
+    Err("two pictures of one forest differ".into())
 }
 
 fn calls() -> Outcome {

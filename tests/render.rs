@@ -18,7 +18,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let tests: [Test; 18] = [
+    let tests: [Test; 19] = [
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
         (
             "a_scene_after_others_is_drawn_as_if_it_came_first",
@@ -58,6 +58,10 @@ fn main() -> ExitCode {
             leaves_face_the_sun,
         ),
         ("the_program_draws_a_wood_of_scripts", wood_by_the_program),
+        (
+            "an_adapter_without_optional_features_draws_the_same",
+            plain_adapter,
+        ),
     ];
     adapter::run(&tests)
 }
@@ -113,6 +117,17 @@ fn same_picture_twice() -> Outcome {
     let scene = scene(&renderer, 0);
     let first = renderer.picture(&scene, SIZE)?;
     if renderer.picture(&scene, SIZE)? == first {
+        return Ok(());
+    }
+    Err("two pictures of one scene differ".into())
+}
+
+fn plain_adapter() -> Outcome {
+    let mut welcome = renderer(palm())?;
+    let mut plain = Renderer::new(&adapter::plain()?, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+    plain.add(&palm().drawable())?;
+    let scene = scene(&plain, 0);
+    if plain.picture(&scene, SIZE)? == welcome.picture(&scene, SIZE)? {
         return Ok(());
     }
     Err("two pictures of one scene differ".into())

@@ -148,7 +148,7 @@ mod tests {
         };
         for corner in [[0, 1, 3], [0, 3, 2]] {
             triangle(corner.map(at), clip, |x, y, _| {
-                hits[(y * 64 + x) as usize] = true
+                hits[(y * 64 + x) as usize] = true;
             });
         }
         hits

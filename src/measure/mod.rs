@@ -8,6 +8,7 @@ pub mod flip;
 pub mod menu;
 pub mod silhouette;
 mod strips;
+mod trials;
 pub mod views;
 pub mod yardstick;
 

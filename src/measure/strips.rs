@@ -4,7 +4,8 @@
 //! measured with more and more segments for as long as that helps.
 
 use super::context::{Context, Gauge, TrialQuad, cards};
-use super::menu::{FITTED_CARDS, Set, best_scale};
+use super::menu::Set;
+use super::trials::{FITTED_CARDS, best_scale};
 use crate::impostor::planes::strips::{self, Bend, Fit};
 use crate::impostor::planes::{self, Item, Plane};
 use crate::mesh::{Mesh, TooLarge};

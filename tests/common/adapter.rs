@@ -43,3 +43,15 @@ pub(crate) fn run(tests: &[Test]) -> ExitCode {
         .collect();
     libtest_mimic::run(&arguments, trials).exit_code()
 }
+
+/// A device with nothing but what every adapter has: no optional features, the default limits.
+pub(crate) fn plain() -> Result<Gpu, Failed> {
+    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    let instance = wgpu::Instance::new(descriptor);
+    let adapter =
+        pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
+    let (device, queue) =
+        pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))?;
+    assert!(device.features().is_empty());
+    Ok(Gpu::from_parts(device, queue, adapter.get_info()))
+}

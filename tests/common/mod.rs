@@ -414,6 +414,18 @@ pub(crate) fn scripts() -> Vec<Script> {
     named.iter().map(|path| script(path)).collect()
 }
 
+/// All scripts that are shipped, by name.
+pub(crate) fn all_scripts() -> Vec<Script> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("species");
+    let entries = std::fs::read_dir(folder).expect("the folder of scripts");
+    let paths = entries.map(|entry| entry.expect("a file's name").path());
+    let mut paths: Vec<_> = paths
+        .filter(|p| p.extension().is_some_and(|e| e == "ron"))
+        .collect();
+    paths.sort();
+    paths.iter().map(|path| script(path)).collect()
+}
+
 fn script(path: &Path) -> Script {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).expect("a script can be read");
