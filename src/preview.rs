@@ -243,8 +243,12 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Soft shoulder, as a fit of a film curve (Hejl and Burgess-Dawson's form is steeper in the shadows).
+/// A film's curve, with a toe: without one, shade is lifted and greens turn pale. Narkowicz's fit of the ACES
+/// reference transform (2016), a little greyer, since it saturates by channel.
 fn tone_mapped(light: Vec3) -> Vec3 {
-    let x = light * 0.85;
-    (x * (x * 0.22 + 1.0)) / (x * (x * 0.25 + 1.0) + 0.35) * 1.04
+    /// Part of the colour that stays beside grey.
+    const COLOUR: f32 = 0.86;
+    let grey = Vec3::splat(light.dot(Vec3::new(0.2126, 0.7152, 0.0722)));
+    let x = grey.lerp(light, COLOUR);
+    ((x * (x * 2.51 + 0.03)) / (x * (x * 2.43 + 0.59) + 0.14)).min(Vec3::ONE)
 }
