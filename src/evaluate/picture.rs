@@ -226,7 +226,7 @@ fn near_first(mesh: &Mesh, view: &View) -> Mesh {
     }
 }
 
-/// A soft shoulder, the same as the preview's.
+/// A soft shoulder without a toe: what lies in the shade is compared too.
 fn tone_mapped(light: Vec3) -> Vec3 {
     let x = light * 0.85;
     (x * (x * 0.22 + 1.0)) / (x * (x * 0.25 + 1.0) + 0.35) * 1.04
