@@ -1,29 +1,26 @@
 //! Captures on an adapter: scenes gathered into groups, each drawn on one sheet and read back at once.
 
-use super::layout::{self, Grid, Relief};
-use super::sheet::Sheet;
+use super::group::{Group, List, Ready, area, count, too_large};
+use super::layout::{self, Relief};
 use super::upload::{self, Surfaces};
 use super::{Baker, Tally};
-use crate::capture::{BakeError, Pass, Picture, Scene, Shot};
-use crate::gpu::{Gpu, GpuError, shader};
+use crate::capture::{BakeError, Pass, Picture, Shot};
+use crate::gpu::{GpuError, shader};
 use crate::image::{Image, Texel};
-use crate::math::{Bounds, Vec3, float};
-use crate::mesh::{Mesh, Primitive, Vertex};
+use crate::math::{Vec3, float};
+use crate::mesh::Vertex;
 use crate::report::{Cancelled, MachineFault, Progress};
 use rayon::prelude::*;
 use wgpu::{BindingResource, Buffer, BufferUsages, TextureFormat};
 
 /// Words of a texel on its way back.
-const WORDS: u32 = 5;
+pub(super) const WORDS: u32 = 5;
 
 /// Texels along the edge of a workgroup, as in `shaders/capture_texels.wgsl`.
 const TILE: u32 = 8;
 
 /// Bytes from one shot to the next among uniforms: what every adapter can step by.
 const STRIDE: usize = 256;
-
-/// Bytes of vertices beyond which another group is begun.
-const GROUP_BYTES: u64 = 64 << 20;
 
 /// Scenes that are made at a time.
 const AT_A_TIME: usize = 32;
@@ -183,226 +180,11 @@ pub(super) fn draw(
     Ok(developed(baker, exposed, pass.supersample).map_err(MachineFault::from)?)
 }
 
-/// Why a scene fits no group.
-fn too_large(gpu: &Gpu, scene: &Ready) -> GpuError {
-    let limits = gpu.device.limits();
-    let edges = scene.scene.shots.iter();
-    let edge = edges.map(|s| s.view.width.max(s.view.height)).max();
-    let edge = edge.unwrap_or(0);
-    if edge > limits.max_texture_dimension_2d {
-        return GpuError::TooLarge {
-            what: "a capture's edge, samples,",
-            size: u64::from(edge),
-            limit: u64::from(limits.max_texture_dimension_2d),
-        };
-    }
-    GpuError::TooLarge {
-        what: "a captured sub-tree, bytes,",
-        size: scene.bytes(),
-        limit: limits.max_storage_buffer_binding_size,
-    }
-}
-
-/// A scene with what its drawing needs to know.
-struct Ready {
-    scene: Scene,
-    /// Bounds of its meshes.
-    bounds: Vec<Bounds>,
-}
-
-impl Ready {
-    fn new(scene: Scene) -> Self {
-        let bounds = scene.meshes.iter().map(Mesh::bounds).collect();
-        Self { scene, bounds }
-    }
-
-    fn vertices(&self) -> impl Iterator<Item = &[Vertex]> {
-        let meshes = self.scene.meshes.iter();
-        meshes.flat_map(|m| [&m.bark.vertices[..], &m.foliage.vertices[..]])
-    }
-
-    fn indices(&self) -> impl Iterator<Item = &[u32]> {
-        let meshes = self.scene.meshes.iter();
-        meshes.flat_map(|m| [&m.bark.indices[..], &m.foliage.indices[..]])
-    }
-
-    /// Bytes of the larger of the two buffers.
-    fn bytes(&self) -> u64 {
-        let vertices: usize = self.vertices().map(<[Vertex]>::len).sum();
-        let indices: usize = self.indices().map(<[u32]>::len).sum();
-        (vertices * size_of::<Vertex>()).max(indices * 4) as u64
-    }
-}
-
-/// Scenes that are drawn together.
-struct Group {
-    scenes: Vec<Ready>,
-    /// Where each shot lies on the sheet.
-    places: Vec<[u32; 2]>,
-    sheet: Sheet,
-    bytes: u64,
-    /// Texels of all shots.
-    texels: u64,
-    /// Cells of all grids.
-    cells: u64,
-    limit: u64,
-}
-
-impl Group {
-    fn new(gpu: &Gpu) -> Self {
-        let limits = gpu.device.limits();
-        Self {
-            scenes: Vec::new(),
-            places: Vec::new(),
-            sheet: Sheet::new(limits.max_texture_dimension_2d),
-            bytes: 0,
-            texels: 0,
-            cells: 0,
-            limit: limits
-                .max_storage_buffer_binding_size
-                .min(limits.max_buffer_size),
-        }
-    }
-
-    /// Takes a scene, or gives it back if it is too much.
-    fn add(&mut self, scene: Ready) -> Option<Ready> {
-        let bytes = scene.bytes();
-        let shots = &scene.scene.shots;
-        let texels: u64 = shots.iter().map(|s| area(s.texels)).sum();
-        let most = if self.scenes.is_empty() {
-            self.limit
-        } else {
-            self.limit.min(GROUP_BYTES)
-        };
-        let output = (self.texels + texels) * u64::from(WORDS) * 4;
-        let mut sheet = self.sheet;
-        let places: Option<Vec<[u32; 2]>> = shots
-            .iter()
-            .map(|s| sheet.place([s.view.width, s.view.height]))
-            .collect();
-        let Some(places) = places.filter(|_| self.bytes + bytes <= most && output <= self.limit)
-        else {
-            return Some(scene);
-        };
-        self.places.extend(places);
-        self.sheet = sheet;
-        self.bytes += bytes;
-        self.texels += texels;
-        self.cells += scene.scene.occlusion.density().len() as u64;
-        self.scenes.push(scene);
-        None
-    }
-}
-
-fn area([width, height]: [u32; 2]) -> u64 {
-    u64::from(width) * u64::from(height)
-}
-
 /// A group whose texels are on their way back.
 struct Exposed {
     /// By scene.
     shots: Vec<Vec<Shot>>,
     texels: Buffer,
-}
-
-/// Triangles of a mesh's bark or foliage in the buffers of a group.
-#[derive(Clone, Debug)]
-struct Part {
-    indices: core::ops::Range<u32>,
-    first_vertex: i32,
-}
-
-/// The shots of a group as the shaders read them, and what is drawn of each.
-#[derive(Default)]
-struct List {
-    shots: Vec<layout::Shot>,
-    /// Bark and foliage of each shot.
-    parts: Vec<[Part; 2]>,
-    grids: Vec<Grid>,
-}
-
-impl List {
-    fn of(group: &Group) -> Self {
-        let mut list = Self::default();
-        let mut places = group.places.iter();
-        let (mut first_index, mut first_vertex) = (0, 0);
-        let (mut first_texel, mut first_cell) = (0, 0);
-        for ready in &group.scenes {
-            let mut part = |primitive: &Primitive| {
-                let part = Part {
-                    indices: first_index..first_index + count(primitive.indices.len()),
-                    first_vertex: i32::try_from(first_vertex).unwrap_or(i32::MAX),
-                };
-                first_index = part.indices.end;
-                first_vertex += primitive.vertices.len();
-                part
-            };
-            let meshes = ready.scene.meshes.iter();
-            let parts: Vec<[Part; 2]> = meshes
-                .map(|mesh| [&mesh.bark, &mesh.foliage].map(&mut part))
-                .collect();
-            let occlusion = &ready.scene.occlusion;
-            list.grids.push(Grid {
-                size: occlusion.size(),
-                first: first_cell,
-                cell: occlusion.cell(),
-                unused: [0; 3],
-            });
-            for (shot, &place) in ready.scene.shots.iter().zip(&mut places) {
-                list.parts.push(parts[shot.mesh].clone());
-                list.shots.push(layout::Shot {
-                    place,
-                    first: first_texel,
-                    cells: first_cell,
-                    corner: occlusion.origin().to_array(),
-                    cell: occlusion.cell(),
-                    size: occlusion.size(),
-                    ..described(shot, &ready.bounds[shot.mesh])
-                });
-                first_texel += count(usize::try_from(area(shot.texels)).unwrap_or(usize::MAX));
-            }
-            first_cell += count(occlusion.density().len());
-        }
-        list
-    }
-}
-
-/// A number of things that fit 32 bits: groups are kept small.
-fn count(things: usize) -> u32 {
-    u32::try_from(things).unwrap_or(u32::MAX)
-}
-
-fn described(shot: &Shot, bounds: &Bounds) -> layout::Shot {
-    let view = &shot.view;
-    let toward = view.toward();
-    let wide = |v: Vec3| v.extend(0.0).to_array();
-    // A little more than the mesh has, so that nothing is cut away.
-    let depths = bounds.corners().map(|c| (c - view.centre).dot(toward));
-    let low = depths.into_iter().fold(f32::INFINITY, f32::min);
-    let high = depths.into_iter().fold(f32::NEG_INFINITY, f32::max);
-    let spare = (high - low) * 0.01 + 1e-5;
-    let depth = if bounds.is_empty() {
-        [0.0, 1.0]
-    } else {
-        [low - spare, 1.0 / (high - low + 2.0 * spare)]
-    };
-    layout::Shot {
-        right: wide(view.right),
-        up: wide(view.up),
-        toward: wide(toward),
-        centre: wide(view.centre),
-        half: view.half,
-        depth,
-        samples: [view.width, view.height],
-        place: [0; 2],
-        texels: shot.texels,
-        first: 0,
-        cells: 0,
-        corner: [0.0; 3],
-        cell: 1.0,
-        size: [1; 3],
-        unused: 0,
-    }
 }
 
 /// A pass with its textures.

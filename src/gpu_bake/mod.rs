@@ -11,6 +11,7 @@
 //! manifest says it where they do not.
 
 mod captures;
+mod group;
 pub mod layout;
 mod shadows;
 mod sheet;

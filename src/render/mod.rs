@@ -14,6 +14,7 @@
 
 mod binding;
 mod camera;
+mod drawing;
 pub mod forest;
 mod model;
 mod pipelines;

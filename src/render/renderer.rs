@@ -2,27 +2,26 @@
 
 use super::binding::group;
 use super::camera::Lens;
+use super::drawing::{
+    AUXILIARY, Cast, Drawn, colour_attachment, depth_attachment, filter_code, flags, inner_size,
+    light_code, light_projection, view_code,
+};
 use super::forest::{Forest, Woods};
-use super::model::{Lod, Model, Part, extent};
+use super::model::{Model, extent};
 use super::pipelines::Pipelines;
-use super::scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
+use super::scene::{CALM, Filter, Group, Scene, Setting, ViewMode};
 use super::targets::{DEPTH, Targets};
 use super::uniforms::{Frame, Instance};
 use crate::asset::Drawable;
 use crate::gpu::{Gpu, GpuError, Readback, upload};
 use crate::image::Image;
 use crate::math::{Bounds, PI, Vec3, float};
-use glam::{Mat4, Vec4};
 
 /// Samples of a pixel.
 pub(super) const SAMPLES: u32 = 4;
 
 /// Texels along the shadow map's edge.
 pub(super) const SHADOW_MAP: u32 = 2048;
-
-/// Edge of the auxiliary picture of the bilinear filter, as a part of the screen's ("slightly smaller",
-/// Candussi et al., section 2.3).
-const AUXILIARY: f32 = 0.85;
 
 /// Linear colours of a clear day.
 const SUN: Vec3 = Vec3::new(7.4, 6.75, 5.6);
@@ -531,167 +530,6 @@ impl Renderer {
         pass.set_bind_group(0, &self.cast_group, &[]);
         pass.set_bind_group(1, &pictures, &[]);
         pass.draw(0..3, 0..1);
-    }
-}
-
-/// What decides a shadow map.
-#[derive(Clone, Debug, PartialEq)]
-struct Cast {
-    light: [[f32; 4]; 4],
-    groups: Vec<Group>,
-    /// Wind and time, where a wind blows.
-    blown: Option<([f32; 4], f32)>,
-    leaves_face_sun: bool,
-}
-
-impl Cast {
-    fn of(scene: &Scene, frame: &Frame) -> Self {
-        Self {
-            light: frame.light_projection,
-            groups: scene.groups.clone(),
-            blown: (scene.wind.speed_m_s != 0.0).then_some((frame.wind, scene.time)),
-            leaves_face_sun: scene.setting.leaves_face_sun,
-        }
-    }
-}
-
-/// A group ready to be drawn.
-struct Drawn<'s> {
-    model: &'s Model,
-    lod: &'s Lod,
-    instances: wgpu::Buffer,
-    count: u32,
-}
-
-impl Drawn<'_> {
-    fn bind(&self, pass: &mut wgpu::RenderPass<'_>, part: &Part, material: &wgpu::BindGroup) {
-        pass.set_bind_group(1, &self.model.group, &[]);
-        pass.set_bind_group(2, material, &[]);
-        pass.set_vertex_buffer(0, part.vertices.slice(..));
-        pass.set_vertex_buffer(1, part.sway.slice(..));
-        pass.set_vertex_buffer(2, self.instances.slice(..));
-    }
-
-    fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        part: Option<&Part>,
-        material: &wgpu::BindGroup,
-    ) {
-        if let Some(part) = part {
-            self.bind(pass, part, material);
-            pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..part.count, 0, 0..self.count);
-        }
-    }
-
-    fn draw_edges(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        part: Option<&Part>,
-        material: &wgpu::BindGroup,
-    ) {
-        if let Some(part) = part {
-            self.bind(pass, part, material);
-            pass.set_index_buffer(part.edges.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..part.count * 2, 0, 0..self.count);
-        }
-    }
-}
-
-fn colour_attachment<'v>(
-    view: &'v wgpu::TextureView,
-    resolve_target: Option<&'v wgpu::TextureView>,
-    clear: wgpu::Color,
-) -> wgpu::RenderPassColorAttachment<'v> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target,
-        ops: wgpu::Operations {
-            load: wgpu::LoadOp::Clear(clear),
-            store: wgpu::StoreOp::Store,
-        },
-    }
-}
-
-fn depth_attachment(
-    view: &wgpu::TextureView,
-    clear: f32,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations {
-            load: wgpu::LoadOp::Clear(clear),
-            store: wgpu::StoreOp::Store,
-        }),
-        stencil_ops: None,
-    }
-}
-
-/// Size of the auxiliary picture.
-fn inner_size(size: [u32; 2], filter: Filter) -> [u32; 2] {
-    match filter {
-        Filter::None | Filter::Alpha => size,
-        Filter::Bilinear | Filter::Combined => {
-            size.map(|n| crate::math::round_to_u32(float(n) * AUXILIARY).max(1))
-        }
-    }
-}
-
-/// World to the shadow map for a sun, and the edge in metres of what it shows.
-pub(super) fn light_projection(bounds: &Bounds, sun: Vec3) -> (Mat4, f32) {
-    let side = if sun.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
-    let right = side.cross(sun).normalize_or(Vec3::X);
-    let up = sun.cross(right);
-    let centre = bounds.centre();
-    let spread = |axis: Vec3| {
-        let reach = bounds.corners().map(|c| (c - centre).dot(axis).abs());
-        reach.into_iter().fold(1e-3, f32::max)
-    };
-    let half = spread(right).max(spread(up)) * 1.02;
-    let deep = spread(sun) * 1.02;
-    let row = |axis: Vec3, scale: f32, shift: f32| {
-        (axis * scale).extend(shift - axis.dot(centre) * scale)
-    };
-    let matrix = Mat4::from_cols(
-        row(right, 1.0 / half, 0.0),
-        row(up, 1.0 / half, 0.0),
-        // 0 is nearest to the sun.
-        row(-sun, 0.5 / deep, 0.5),
-        Vec4::W,
-    );
-    (matrix.transpose(), 2.0 * half)
-}
-
-fn light_code(mode: LightMode) -> u32 {
-    match mode {
-        LightMode::Product => 0,
-        LightMode::FourFactors => 1,
-    }
-}
-
-fn flags(setting: &Setting) -> u32 {
-    u32::from(setting.leaves_face_sun)
-}
-
-fn view_code(view: ViewMode) -> u32 {
-    match view {
-        ViewMode::Lit => 0,
-        ViewMode::Lods => 1,
-        ViewMode::Normals => 2,
-        ViewMode::Albedo => 3,
-        ViewMode::Overdraw => 4,
-        ViewMode::Wire => 5,
-    }
-}
-
-fn filter_code(filter: Filter) -> u32 {
-    match filter {
-        Filter::None => 0,
-        Filter::Alpha => 1,
-        Filter::Bilinear => 2,
-        Filter::Combined => 3,
     }
 }
 

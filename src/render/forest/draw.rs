@@ -5,8 +5,9 @@ use super::{Calls, Forest, Lists, Twin};
 use crate::gpu::shader;
 use crate::math::{Bounds, Vec3};
 use crate::render::binding;
+use crate::render::drawing::light_projection;
 use crate::render::pipelines::ForestPipelines;
-use crate::render::renderer::{Renderer, SHADOW_MAP, light_projection};
+use crate::render::renderer::{Renderer, SHADOW_MAP};
 use crate::render::scene::{Scene, ViewMode};
 use crate::render::uniforms::Frame;
 
