@@ -2,6 +2,8 @@
 //!
 //! Orthographic, one sun, sky light dimmed by a density grid of the crown, a ground that receives the nine
 //! baked shadows. Meant to show the shapes and textures honestly, not to be a renderer.
+//!
+//! The curve of tones: Narkowicz, *ACES Filmic Tone Mapping Curve*, 2016.
 
 use crate::asset::Drawable;
 use crate::capture::{ALPHA_CUTOFF, Foliage, Occlusion, Seen, Textures, View, Visibility};
@@ -243,8 +245,8 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// A film's curve, with a toe: without one, shade is lifted and greens turn pale. Narkowicz's fit of the ACES
-/// reference transform (2016), a little greyer, since it saturates by channel.
+/// A film's curve, with a toe: without one, shade is lifted and greens turn pale. A fit of the ACES
+/// reference transform, a little greyer, since it saturates by channel.
 fn tone_mapped(light: Vec3) -> Vec3 {
     /// Part of the colour that stays beside grey.
     const COLOUR: f32 = 0.86;

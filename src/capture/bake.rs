@@ -578,8 +578,8 @@ fn uv_of(rect: &Rect, size: u32) -> UvRect {
     }
 }
 
-/// Corners may lie so many texels outside of a part of the atlas: over its border and most of its gutter, where
-/// no mip that is used shows anything.
+/// Corners may lie so many texels outside of a part of the atlas: over its border and half of its gutter. The
+/// next part is seven texels away then, so no mip of less than that brings it in.
 const TRIM_OVER: f32 = 3.0;
 
 /// An image at its place in an atlas, trimmed to what it shows.

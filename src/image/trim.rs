@@ -34,8 +34,9 @@ pub fn trimmed(
     if places.is_empty() {
         return WHOLE;
     }
+    let count = |sides: usize| float(u32::try_from(sides).unwrap_or(u32::MAX));
     let normals: [Vec2; SIDES] = core::array::from_fn(|i| {
-        let (sine, cosine) = libm::sincosf(TAU * float(u32::try_from(i).unwrap_or(0)) / 48.0);
+        let (sine, cosine) = libm::sincosf(TAU * count(i) / count(SIDES));
         Vec2::new(cosine, sine)
     });
     let reaches = normals.map(|n| places.iter().fold(f32::MIN, |reach, p| reach.max(p.dot(n))));

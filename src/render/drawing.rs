@@ -40,12 +40,19 @@ pub(super) struct Drawn<'s> {
 }
 
 impl Drawn<'_> {
-    fn bind(&self, pass: &mut wgpu::RenderPass<'_>, part: &Part, material: &wgpu::BindGroup) {
+    fn draw_by(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        (part, material): (&Part, &wgpu::BindGroup),
+        (indices, count): (&wgpu::Buffer, u32),
+    ) {
         pass.set_bind_group(1, &self.model.group, &[]);
         pass.set_bind_group(2, material, &[]);
         pass.set_vertex_buffer(0, part.vertices.slice(..));
         pass.set_vertex_buffer(1, part.sway.slice(..));
         pass.set_vertex_buffer(2, self.instances.slice(..));
+        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..count, 0, 0..self.count);
     }
 
     pub(super) fn draw(
@@ -55,9 +62,7 @@ impl Drawn<'_> {
         material: &wgpu::BindGroup,
     ) {
         if let Some(part) = part {
-            self.bind(pass, part, material);
-            pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..part.count, 0, 0..self.count);
+            self.draw_by(pass, (part, material), (&part.indices, part.count));
         }
     }
 
@@ -68,9 +73,7 @@ impl Drawn<'_> {
         material: &wgpu::BindGroup,
     ) {
         if let Some(part) = part {
-            self.bind(pass, part, material);
-            pass.set_index_buffer(part.edges.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..part.count * 2, 0, 0..self.count);
+            self.draw_by(pass, (part, material), (&part.edges, part.count * 2));
         }
     }
 }
