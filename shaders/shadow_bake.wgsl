@@ -128,22 +128,22 @@ fn covered(cut: Cut, at: vec2<f32>) -> bool {
     return ((coverage[texel / 4u] >> (texel % 4u * 8u)) & 0xffu) >= cut.threshold;
 }
 
-// Marks the covered texels of one row's span.
+// Marks the covered texels of one row's span. What other triangles have marked need not be looked at: most of it,
+// under a crown. A mark that comes in between is made twice.
 fn span(cut: Cut, corner: vec2<f32>, row: u32, y: u32, x0: u32, x1: u32) {
-    var place = cut.origin + (f32(x0) + 0.5 - corner.x) * cut.right + (f32(y) + 0.5 - corner.y) * cut.down;
-    var x = x0;
-    while x < x1 {
-        let word = x / 32u;
-        let until = min(x1, (word + 1u) * 32u);
-        var bits = 0u;
-        if cut.solid {
-            bits = (0xffffffffu << (x % 32u)) & (0xffffffffu >> (31u - (until - 1u) % 32u));
-            x = until;
-        } else {
-            while x < until {
-                bits |= u32(covered(cut, place)) << (x % 32u);
-                place += cut.right;
-                x++;
+    let start = cut.origin - corner.x * cut.right + (f32(y) + 0.5 - corner.y) * cut.down;
+    for (var word = x0 / 32u; word * 32u < x1; word++) {
+        let first = max(x0, word * 32u) % 32u;
+        let last = (min(x1, word * 32u + 32u) - 1u) % 32u;
+        let within = (0xffffffffu << first) & (0xffffffffu >> (31u - last));
+        var bits = within & ~atomicLoad(&masks[row + word]);
+        if !cut.solid && bits != 0u {
+            let missing = bits;
+            bits = 0u;
+            let end = firstLeadingBit(missing);
+            for (var bit = firstTrailingBit(missing); bit <= end; bit++) {
+                let place = start + (f32(word * 32u + bit) + 0.5) * cut.right;
+                bits |= u32(covered(cut, place)) << bit;
             }
         }
         if bits != 0u {

@@ -60,6 +60,9 @@ impl Mask {
         let (level, threshold) = (cut.level, cut.threshold);
         rows(corners, self.size, |y, x0, x1| {
             let row = &mut self.words[y as usize * stride..][..stride];
+            if all_set(row, x0, x1) {
+                return;
+            }
             let (px, py) = (
                 texel(x0) + 0.5 - corners[0][0],
                 texel(y) + 0.5 - corners[0][1],
@@ -93,6 +96,13 @@ impl Mask {
     pub(super) fn clear(&mut self) {
         self.words.fill(0);
     }
+}
+
+/// True if all of a row's columns `x0..x1` are marked, at least where they lie in one word: under a crown, most do.
+#[inline]
+fn all_set(row: &[u64], x0: u32, x1: u32) -> bool {
+    let span = (u64::MAX << (x0 % 64)) & (u64::MAX >> (63 - (x1 - 1) % 64));
+    x0 / 64 == (x1 - 1) / 64 && span & !row[(x0 / 64) as usize] == 0
 }
 
 /// The texture coordinates, in texels of the cut's mip, at the first corner, and their change for
