@@ -72,7 +72,10 @@ fn captures(bencher: Bencher, source: Source) {
         ..capture::Settings::default()
     };
     bencher.bench(|| {
-        let bark = (&bark[..], species.bark.height_m());
+        let bark = (
+            &bark[..],
+            pleach::mesh::Coat::plain(species.bark.height_m()),
+        );
         bake(black_box(&tree), &plan, &leaves, bark, &settings, &Quiet)
     });
 }

@@ -10,7 +10,7 @@ use pleach::image::{Image, Texel, mips};
 use pleach::impostor::cross_quad::CrossQuads;
 use pleach::lod::Selector;
 use pleach::math::byte_from_unit;
-use pleach::mesh::{Flattener, Mesh};
+use pleach::mesh::{Coat, Flattener, Mesh};
 use pleach::report::Quiet;
 use pleach::shadow;
 use pleach::species::schema::{Bark, LeafLook, Species};
@@ -98,7 +98,7 @@ impl Subject {
         backend: &dyn capture::Backend,
     ) -> (capture::Baked, pleach::gpu_bake::Tally) {
         let settings = capture::Settings::default();
-        let bark = (&self.bark[..], self.species.bark.height_m());
+        let bark = (&self.bark[..], Coat::plain(self.species.bark.height_m()));
         let (tree, plan) = (&self.tree, &self.plan);
         let baked = capture::bake_with(backend, tree, plan, &self.leaves, bark, &settings, &Quiet);
         let tally = baker().map(Baker::take_tally).unwrap_or_default();
@@ -111,7 +111,7 @@ impl Subject {
         let form = quads.form(
             &self.tree,
             &chain.lods[0].state,
-            self.species.bark.height_m(),
+            Coat::plain(self.species.bark.height_m()),
         );
         Flattener::new(&self.tree, &form).tree().expect("small")
     }

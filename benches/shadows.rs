@@ -157,5 +157,6 @@ fn vertex(point: Vec3, uv: [f32; 2]) -> Vertex {
         normal: [0.0, 1.0, 0.0],
         tangent: [1.0, 0.0, 0.0, 1.0],
         uv,
+        tint: pleach::mesh::WHITE,
     }
 }

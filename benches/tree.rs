@@ -92,7 +92,11 @@ fn full() -> (Tree, Form) {
     let species = olive([14, 24, 32, 20]);
     let tree = grown(&species);
     let quads = CrossQuads::none(&tree, Vec::new());
-    let form = quads.form(&tree, &State::full(&tree), species.bark.height_m());
+    let form = quads.form(
+        &tree,
+        &State::full(&tree),
+        pleach::mesh::Coat::plain(species.bark.height_m()),
+    );
     (tree, form)
 }
 
@@ -144,6 +148,7 @@ fn fill(mesh: &mut Mesh) {
                     normal: [value; 3],
                     tangent: [value; 4],
                     uv: [value; 2],
+                    tint: pleach::mesh::WHITE,
                 };
             }
         });

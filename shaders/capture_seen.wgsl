@@ -20,6 +20,7 @@ struct Vertex {
     @location(1) normal: vec3<f32>,
     @location(2) tangent: vec4<f32>,
     @location(3) uv: vec2<f32>,
+    @location(4) tint: vec4<f32>,
 }
 
 struct Corner {
@@ -27,6 +28,7 @@ struct Corner {
     @location(0) uv: vec2<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) tangent: vec4<f32>,
+    @location(3) tint: vec3<f32>,
 }
 
 @vertex
@@ -42,6 +44,7 @@ fn vs_capture(vertex: Vertex) -> Corner {
     out.uv = vertex.uv;
     out.normal = vertex.normal;
     out.tangent = vertex.tangent;
+    out.tint = vertex.tint.rgb;
     return out;
 }
 
@@ -113,7 +116,9 @@ fn fs_bark(in: Corner) -> @location(0) vec4<u32> {
     let level = mip_of(dpdx(in.uv), dpdy(in.uv), sheet.bark);
     let words = textureLoad(bark, nearest(in.uv - floor(in.uv), sheet.bark, level), 0);
     let normal = view_normal(in, unpack2x16snorm(words.z));
-    return packed(vec4<u32>(words.xyz, words.w & 0x00ffffffu), normal, 0.0);
+    let red_green = pack2x16unorm(unpack2x16unorm(words.x) * in.tint.rg);
+    let blue_open = pack2x16unorm(unpack2x16unorm(words.y) * vec2<f32>(in.tint.b, 1.0));
+    return packed(vec4<u32>(red_green, blue_open, words.z, words.w & 0x00ffffffu), normal, 0.0);
 }
 
 @fragment

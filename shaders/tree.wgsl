@@ -38,6 +38,8 @@ struct Vertex {
     @location(3) uv: vec2<f32>,
     @location(4) sway: vec4<f32>,
     @location(5) leaf: vec4<f32>,
+    // Factor on the texture's colour.
+    @location(10) tint: vec4<f32>,
 }
 
 struct Instance {
@@ -63,7 +65,7 @@ struct Varyings {
     // another part of the atlas.
     @location(4) @interpolate(perspective, centroid) uv: vec2<f32>,
     @location(5) @interpolate(flat) turn: vec4<f32>,
-    @location(6) @interpolate(flat) tint: vec3<f32>,
+    @location(6) tint: vec3<f32>,
     @location(7) @interpolate(flat) marks: vec4<f32>,
     // The same at the middle of the pixel, for its derivatives.
     @location(8) uv_middle: vec2<f32>,
@@ -132,7 +134,7 @@ fn tree_drawn(vertex: Vertex, instance: Instance) -> Varyings {
     out.uv = vertex.uv;
     out.uv_middle = vertex.uv;
     out.turn = instance.turn;
-    out.tint = instance.tint.rgb;
+    out.tint = instance.tint.rgb * vertex.tint.rgb;
     out.marks = instance.marks;
     let shares = nine_shares(turned_back(frame.sun.xyz, instance.turn.xy));
     out.first_shares = shares.first;

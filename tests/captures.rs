@@ -13,7 +13,7 @@ use pleach::image::{Image, Texel};
 use pleach::impostor::cross_quad::RIGHT;
 use pleach::lod::State;
 use pleach::math::{Vec3, float};
-use pleach::mesh::{Flattener, Mesh};
+use pleach::mesh::{Coat, Flattener, Mesh};
 use pleach::report::{Quiet, Warning};
 use pleach::species::schema::{Curve, LevelKind, Size};
 use pleach::tree::{Kind, Part, Tree};
@@ -68,7 +68,7 @@ fn baked(tree: &Tree, source: Source, atlas_size: u32) -> Baked {
         tree,
         &plan,
         &Ellipses(3),
-        (&bark(), BARK_HEIGHT),
+        (&bark(), Coat::plain(BARK_HEIGHT)),
         &settings,
         &Quiet,
     )
@@ -214,7 +214,9 @@ fn a_capture_covers_what_a_projection_covers() {
         foliage: &pyramid,
         reliefs: &[],
     };
-    let form = baked.quads.form(&tree, &State::full(&tree), BARK_HEIGHT);
+    let form = baked
+        .quads
+        .form(&tree, &State::full(&tree), Coat::plain(BARK_HEIGHT));
     let thickness = tree.mean_thickness();
     for (index, &subject) in plan.subjects.iter().enumerate() {
         let Subject::Combined { level, prototype } = subject else {

@@ -4,7 +4,7 @@ mod common;
 
 use common::{BranchSketch, LeafSketch, Sketch, cases, descent, sketches, small, stand_ins};
 use pleach::lod::cut::{Cutter, Front, Menu, Offer};
-use pleach::mesh::{Dress, Flattener, Mesh, Wardrobe, front};
+use pleach::mesh::{Coat, Dress, Flattener, Mesh, Wardrobe, front};
 use pleach::species::schema::Lod;
 use pleach::tree::{Kind, Tree};
 use proptest::prelude::*;
@@ -419,7 +419,7 @@ proptest! {
         let nodes: u64 = tree.nodes().iter().flatten().sum();
         let choices = vec![0; usize::try_from(nodes).expect("few")];
         for (state, _) in descent(&tree, &Lod::default()) {
-            let form = quads.form(&tree, &state, 0.5);
+            let form = quads.form(&tree, &state, Coat::plain(0.5));
             let flat = Flattener::new(&tree, &form).tree().expect("small");
             let cut = front(&tree, &one_offer_each(&tree, &form), &choices).expect("small");
             let name = state.describe(&tree);
@@ -438,7 +438,7 @@ fn missing_choices_draw_nothing() {
     let tree = small().tree();
     let quads = stand_ins(&tree);
     let (state, _) = &descent(&tree, &Lod::default())[0];
-    let wardrobe = one_offer_each(&tree, &quads.form(&tree, state, 0.5));
+    let wardrobe = one_offer_each(&tree, &quads.form(&tree, state, Coat::plain(0.5)));
     let drawn = |choices: &[u16]| {
         let mesh = front(&tree, &wardrobe, choices).expect("small");
         mesh.triangles()

@@ -13,7 +13,7 @@ use pleach::gpu_bake::Baker;
 use pleach::image::atlas::Rect;
 use pleach::image::{Image, Texel, mips};
 use pleach::math::{Vec3, float};
-use pleach::mesh::{Mesh, Vertex};
+use pleach::mesh::{Coat, Mesh, Vertex};
 use pleach::pack;
 use pleach::pipeline::{self, Bakers, GenerateError, Settings};
 use pleach::report::{Cancelled, Progress, Quiet};
@@ -344,7 +344,7 @@ fn hierarchical() -> Outcome {
             source,
         };
         let bark = bark();
-        let bark = (&bark[..], 0.5);
+        let bark = (&bark[..], Coat::plain(0.5));
         capture::bake_with(
             &both,
             &tree,
@@ -378,6 +378,7 @@ fn card(half: f32, z: f32) -> pleach::mesh::Primitive {
         normal: [0.0, 0.0, 1.0],
         tangent: [1.0, 0.0, 0.0, 1.0],
         uv: [x * 0.5 + 0.5, 0.5 - y * 0.5],
+        tint: pleach::mesh::WHITE,
     };
     pleach::mesh::Primitive {
         vertices: vec![
@@ -477,7 +478,7 @@ fn same_twice() -> Outcome {
     let plain = Baker::new(&adapter::plain()?)?;
     let bake = |baker: &Baker| {
         let bark = bark();
-        let (bark, settings) = ((&bark[..], 0.5), capture::Settings::default());
+        let (bark, settings) = ((&bark[..], Coat::plain(0.5)), capture::Settings::default());
         capture::bake_with(
             baker,
             &tree,

@@ -59,7 +59,7 @@ proptest! {
         let tree = sketch.tree();
         let quads = stand_ins(&tree);
         for (state, triangles) in descent(&tree, &Lod::default()) {
-            let form = quads.form(&tree, &state, 0.5);
+            let form = quads.form(&tree, &state, pleach::mesh::Coat::plain(0.5));
             let flattener = Flattener::new(&tree, &form);
             let mesh = flattener.tree().expect("small");
             prop_assert_eq!(mesh.bark.triangles(), triangles.branches, "{}", state.describe(&tree));

@@ -6,7 +6,7 @@ mod common;
 use common::{cases, descent, scripts, sketches, small, stand_ins};
 use pleach::lod::{Selector, State};
 use pleach::math::{Similarity, Vec3};
-use pleach::mesh::{Flattener, Form, Mesh, Template, check, tube};
+use pleach::mesh::{Coat, Flattener, Form, Mesh, Template, check, tube};
 use pleach::species::schema::Lod;
 use pleach::tree::{Branch, Part, Tree};
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn every_species_has_sound_meshes_at_every_lod() {
         let mut seen: Vec<State> = Vec::new();
         for state in states.chain(chosen) {
             if !seen.contains(&state) {
-                let mesh = flat(&tree, &state, script.species.bark.height_m());
+                let mesh = flat(&tree, &state, Coat::plain(script.species.bark.height_m()));
                 check::mesh(&mesh).unwrap_or_else(|fault| {
                     panic!("{}: {}: {fault}", script.slug, state.describe(&tree))
                 });
@@ -41,7 +41,7 @@ proptest! {
         let tree = sketch.tree();
         check::junctions(&tree).map_err(TestCaseError::fail)?;
         for (state, _) in descent(&tree, &Lod::default()) {
-            check::mesh(&flat(&tree, &state, 0.5)).map_err(TestCaseError::fail)?;
+            check::mesh(&flat(&tree, &state, Coat::plain(0.5))).map_err(TestCaseError::fail)?;
         }
     }
 
@@ -49,7 +49,7 @@ proptest! {
     fn a_node_is_its_prototype_moved(sketch in sketches(true)) {
         // What the flattener writes for a whole tree is what the walk places node by node.
         let tree = sketch.tree();
-        let form = stand_ins(&tree).form(&tree, &State::full(&tree), 0.5);
+        let form = stand_ins(&tree).form(&tree, &State::full(&tree), Coat::plain(0.5));
         let mesh = Flattener::new(&tree, &form).tree().expect("small");
         let (mut bark, mut foliage) = (mesh.bark.vertices.iter(), mesh.foliage.vertices.iter());
         for node in common::walk(&tree) {
@@ -73,8 +73,8 @@ proptest! {
     }
 }
 
-fn flat(tree: &Tree, state: &State, bark_height: f32) -> Mesh {
-    let form = stand_ins(tree).form(tree, state, bark_height);
+fn flat(tree: &Tree, state: &State, coat: Coat) -> Mesh {
+    let form = stand_ins(tree).form(tree, state, coat);
     Flattener::new(tree, &form)
         .tree()
         .expect("a tree of this size can be flattened")
@@ -110,7 +110,7 @@ fn rows<'v, V>(branch: &Branch, lod: usize, vertices: &'v [V]) -> Vec<(&'v [V], 
 fn seams_of_tubes_are_closed_to_the_bit() {
     for (name, branch) in branches() {
         for lod in 0..branch.rings.len() {
-            let template = tube(&branch, lod, 0.5);
+            let template = tube(&branch, lod, Coat::plain(0.5));
             for (row, sides) in rows(&branch, lod, &template.vertices) {
                 let (first, last) = (&row[0], &row[sides]);
                 assert_eq!(
@@ -154,10 +154,10 @@ fn turned(template: &Template) -> Mesh {
 #[test]
 fn bark_does_not_swim_between_lods() {
     for (name, branch) in branches() {
-        let finest = tube(&branch, 0, 0.5);
+        let finest = tube(&branch, 0, Coat::plain(0.5));
         let finest = rows(&branch, 0, &finest.vertices);
         for lod in 1..branch.rings.len() {
-            let coarse = tube(&branch, lod, 0.5);
+            let coarse = tube(&branch, lod, Coat::plain(0.5));
             let coarse = rows(&branch, lod, &coarse.vertices);
             for ((row, sides), (ring, _)) in coarse.into_iter().zip(branch.tube(lod)) {
                 let twin = branch
@@ -190,7 +190,7 @@ fn flattening_gives_the_same_bytes_at_any_number_of_threads() {
                 .num_threads(threads)
                 .build()
                 .expect("threads can be started");
-            pool.install(|| flat(&tree, &state, 0.5))
+            pool.install(|| flat(&tree, &state, Coat::plain(0.5)))
         };
         let (one, two) = (on(1), on(2));
         for (a, b) in [(&one.bark, &two.bark), (&one.foliage, &two.foliage)] {
@@ -209,7 +209,7 @@ fn flattening_gives_the_same_bytes_at_any_number_of_threads() {
 #[test]
 fn buffers_are_reused_and_leave_nothing_behind() {
     let tree = small().tree();
-    let form = stand_ins(&tree).form(&tree, &State::full(&tree), 0.5);
+    let form = stand_ins(&tree).form(&tree, &State::full(&tree), Coat::plain(0.5));
     let flattener = Flattener::new(&tree, &form);
     let fresh = flattener.tree().expect("small");
     let mut used = flattener.tree().expect("small");
@@ -230,7 +230,7 @@ fn buffers_are_reused_and_leave_nothing_behind() {
 /// A sound mesh with one fault planted in it.
 fn with_fault(plant: impl Fn(&mut Mesh)) -> Result<(), String> {
     let tree = small().tree();
-    let mut mesh = flat(&tree, &State::full(&tree), 0.5);
+    let mut mesh = flat(&tree, &State::full(&tree), Coat::plain(0.5));
     check::mesh(&mesh).expect("sound before the fault is planted");
     plant(&mut mesh);
     check::mesh(&mesh)

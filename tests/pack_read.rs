@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use pleach::asset::TreeAsset;
-use pleach::mesh::{Mesh, Primitive, Vertex};
+use pleach::mesh::{Mesh, Primitive, Vertex, WHITE};
 use pleach::pack::{self, Manifest, Options, ReadError, Replace};
 use pleach::pipeline::{self, Settings};
 use pleach::report::Quiet;
@@ -158,6 +158,7 @@ fn by_gltf(path: &Path) -> Mesh {
         let normals = reader.read_normals().expect("normals");
         let tangents = reader.read_tangents().expect("tangents");
         let uvs = reader.read_tex_coords(0).expect("uvs").into_f32();
+        let mut tints = reader.read_colors(0).map(|c| c.into_rgba_u8());
         let vertices = reader
             .read_positions()
             .expect("positions")
@@ -167,6 +168,7 @@ fn by_gltf(path: &Path) -> Mesh {
                 normal,
                 tangent,
                 uv,
+                tint: tints.as_mut().map_or(WHITE, |t| t.next().expect("a tint")),
             });
         let read = Primitive {
             vertices: vertices.collect(),

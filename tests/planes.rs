@@ -10,7 +10,7 @@ use pleach::mesh::{Flattener, Mesh};
 
 fn full() -> Mesh {
     let tree = small().tree();
-    let form = stand_ins(&tree).form(&tree, &State::full(&tree), 0.5);
+    let form = stand_ins(&tree).form(&tree, &State::full(&tree), pleach::mesh::Coat::plain(0.5));
     Flattener::new(&tree, &form).tree().expect("small")
 }
 

@@ -227,7 +227,11 @@ fn extent_errors(sketch: &Sketch) -> (f32, f32) {
     {
         link.thickness = 1.0;
     }
-    let form = common::stand_ins(&tree).form(&tree, &pleach::lod::State::full(&tree), 1.0);
+    let form = common::stand_ins(&tree).form(
+        &tree,
+        &pleach::lod::State::full(&tree),
+        pleach::mesh::Coat::plain(1.0),
+    );
     let flattener = Flattener::new(&tree, &form);
     let mut worst = (0.0_f32, 0.0_f32);
     let mut mesh = Mesh::default();

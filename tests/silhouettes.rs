@@ -44,7 +44,11 @@ fn updating() -> bool {
 fn silhouette(script: &Script) -> String {
     let tree = common::grown(&script.species, script.species.seed);
     let bark_height = script.species.bark.height_m();
-    let form = stand_ins(&tree).form(&tree, &State::full(&tree), bark_height);
+    let form = stand_ins(&tree).form(
+        &tree,
+        &State::full(&tree),
+        pleach::mesh::Coat::plain(bark_height),
+    );
     let mesh = Flattener::new(&tree, &form).tree().expect("not too large");
     let bounds = mesh.bounds();
     let size = bounds.size();

@@ -264,7 +264,7 @@ fn swayed(tree: &Tree, lod: u8) -> (Mesh, Rig) {
     let state = State {
         forms: vec![Form::Geometry(lod); tree.levels.len()],
     };
-    let form = stand_ins(tree).form(tree, &state, 0.5);
+    let form = stand_ins(tree).form(tree, &state, pleach::mesh::Coat::plain(0.5));
     let mut mesh = Flattener::new(tree, &form).tree().expect("a small mesh");
     let swayer = Swayer::new(tree);
     swayer.form(&form, &mut mesh);

@@ -44,6 +44,7 @@ fn primitive(corners: &[([f32; 2], [f32; 2])], indices: &[u32]) -> Primitive {
         normal: [0.0, 0.0, 1.0],
         tangent: [1.0, 0.0, 0.0, 1.0],
         uv,
+        tint: pleach::mesh::WHITE,
     };
     Primitive {
         vertices: corners.iter().map(vertex).collect(),
@@ -181,7 +182,7 @@ fn fragments_count_every_layer_and_silhouettes_only_one() {
 
 fn full() -> Mesh {
     let tree = small().tree();
-    let form = stand_ins(&tree).form(&tree, &State::full(&tree), 0.5);
+    let form = stand_ins(&tree).form(&tree, &State::full(&tree), pleach::mesh::Coat::plain(0.5));
     Flattener::new(&tree, &form).tree().expect("small")
 }
 

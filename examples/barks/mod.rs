@@ -144,6 +144,7 @@ fn art(pattern: BarkPattern, colours: Colours, sizes: Sizes, roughness: f32) -> 
         dark,
         accent,
         young,
+        mature_radius_m: 0.0,
         height_m,
         depth_m,
         width_m,

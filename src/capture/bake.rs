@@ -20,8 +20,8 @@ use crate::image::trim::trimmed;
 use crate::image::{Image, Texel};
 use crate::impostor::cross_quad::{CrossQuads, scaled};
 use crate::math::{Bounds, Quat, Similarity, Vec3, float};
-use crate::mesh::TooLarge;
 use crate::mesh::card::{Pane, Quad, UvRect};
+use crate::mesh::{Coat, TooLarge};
 use crate::report::{Cancelled, MachineFault, Progress, Warning};
 use crate::tree::{Kind, Part, Tree};
 
@@ -133,7 +133,7 @@ pub struct Baked {
 
 /// Captures everything in `plan` with the processor.
 ///
-/// `bark` are the mips of the bark texture, `bark_height` the real height of one repeat in metres.
+/// `bark` are the mips of the bark texture, and how it lies on stems.
 ///
 /// # Errors
 /// If the parts do not fit the atlas, a sub-tree is too large, or the work is cancelled.
@@ -141,7 +141,7 @@ pub fn bake(
     tree: &Tree,
     plan: &Plan,
     leaves: &dyn LeafArtwork,
-    bark: (&[Image<Texel>], f32),
+    bark: (&[Image<Texel>], Coat),
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Baked, BakeError> {
@@ -158,7 +158,7 @@ pub fn bake_with(
     tree: &Tree,
     plan: &Plan,
     leaves: &dyn LeafArtwork,
-    bark: (&[Image<Texel>], f32),
+    bark: (&[Image<Texel>], Coat),
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Baked, BakeError> {
@@ -218,8 +218,8 @@ struct Stage<'a> {
     backend: &'a dyn Backend,
     tree: &'a Tree,
     plan: &'a Plan,
-    /// Mips of the bark, and the height of one repeat.
-    bark: (&'a [Image<Texel>], f32),
+    /// Mips of the bark, and how it lies on stems.
+    bark: (&'a [Image<Texel>], Coat),
     settings: &'a Settings,
     /// Rectangles of all captures.
     rects: &'a [Rect],
@@ -339,7 +339,7 @@ impl Stage<'_> {
         let studio = Studio {
             tree: self.tree,
             quads: &self.quads,
-            bark_height: self.bark.1,
+            coat: self.bark.1,
             supersample: self.settings.supersample,
         };
         let pass = Pass {

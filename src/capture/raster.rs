@@ -10,7 +10,7 @@ use crate::image::scan::{self, Clip};
 use crate::image::{Image, Texel, mips};
 use crate::math::{Vec2, Vec3, float, floor_to_u32};
 use crate::mesh::card::Relief;
-use crate::mesh::{Mesh, Primitive, Vertex};
+use crate::mesh::{Mesh, Primitive, Vertex, WHITE};
 use rayon::prelude::*;
 
 /// An orthographic camera.
@@ -238,6 +238,12 @@ impl Visibility {
         texel.alpha = 1.0;
         if !is_foliage {
             texel.translucency = 0.0;
+        }
+        if corners.iter().any(|c| c.tint != WHITE) {
+            for (channel, part) in texel.albedo.iter_mut().enumerate() {
+                let at = |i: usize| f32::from(corners[i].tint[channel]) * b[i];
+                *part *= (at(0) + at(1) + at(2)) / 255.0;
+            }
         }
         Some(Seen {
             texel,

@@ -13,7 +13,7 @@ use crate::impostor::planes::{self, Plane, strips};
 use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3};
 use crate::mesh::card::{Pane, Quad};
-use crate::mesh::{Flattener, Mesh, TooLarge, Vertex};
+use crate::mesh::{Coat, Flattener, Mesh, TooLarge, Vertex};
 use crate::tree::{Part, Tree};
 
 /// Geometry LOD of the captured branch itself: finer rings than a texel can show are wasted. Each level
@@ -58,7 +58,7 @@ fn mean_axis(part: &Part) -> Option<Vec3> {
 pub(super) struct Studio<'a> {
     pub(super) tree: &'a Tree,
     pub(super) quads: &'a CrossQuads,
-    pub(super) bark_height: f32,
+    pub(super) coat: Coat,
     pub(super) supersample: u32,
 }
 
@@ -73,7 +73,7 @@ impl Studio<'_> {
     ) -> Result<Scene, BakeError> {
         let (level, prototype) = subject_at(subject);
         let state = self.state(subject, source);
-        let mut form = self.quads.form(self.tree, &state, self.bark_height);
+        let mut form = self.quads.form(self.tree, &state, self.coat);
         let mesh = self.mesh(&form, level, prototype, node)?;
         let part = &self.tree.prototype(level, prototype).part;
         let rights = match subject {
@@ -118,9 +118,9 @@ impl Studio<'_> {
         let (level, prototype) = (set.level, set.prototype);
         // What a plane's members count are the items of this very mesh.
         let state = self.state(Subject::Combined { level, prototype }, source);
-        let form = self.quads.form(self.tree, &state, self.bark_height);
+        let form = self.quads.form(self.tree, &state, self.coat);
         let mesh = if set.straightened {
-            let tube = (CAPTURE_SPLINE_LOD, self.bark_height);
+            let tube = (CAPTURE_SPLINE_LOD, self.coat);
             let standing = (node.turn, node.thickness);
             strips::straightened(self.tree, &form, (level, prototype), tube, standing)?
         } else {

@@ -12,7 +12,7 @@
 use crate::lod::{Form as LodForm, State};
 use crate::math::Vec3;
 use crate::mesh::card::{self, Pane, Quad, Relief};
-use crate::mesh::{Form, Template, tube};
+use crate::mesh::{Coat, Form, Template, tube};
 use crate::tree::{Branch, Kind, Part, Prototype, Tree};
 
 /// The quads and cards that a tree's captures allow.
@@ -45,23 +45,23 @@ impl CrossQuads {
         }
     }
 
-    /// What to draw for each prototype in a LOD state. `bark_height` is the real height of one repeat of
-    /// the bark, metres. A prototype without the capture that its form asks for is not drawn.
+    /// What to draw for each prototype in a LOD state. `coat` is the bark of its tubes.
+    /// A prototype without the capture that its form asks for is not drawn.
     #[must_use]
-    pub fn form(&self, tree: &Tree, state: &State, bark_height: f32) -> Form {
-        self.scaled_form(tree, state, bark_height, 1.0)
+    pub fn form(&self, tree: &Tree, state: &State, coat: Coat) -> Form {
+        self.scaled_form(tree, state, coat, 1.0)
     }
 
     /// The same with the quads of collapsed nodes `scale` times as large, each about its middle.
     #[must_use]
-    pub fn scaled_form(&self, tree: &Tree, state: &State, bark_height: f32, scale: f32) -> Form {
+    pub fn scaled_form(&self, tree: &Tree, state: &State, coat: Coat, scale: f32) -> Form {
         let template = |level: usize, index: usize, prototype: &Prototype| match state.forms[level]
         {
             LodForm::Inside => None,
             LodForm::Collapsed => self.combined[level][index]
                 .map(|quads| card::quads(&quads.map(|q| q.scaled_on(level, scale)))),
             LodForm::Quads => self.branches[level][index].map(|quads| card::quads(&quads)),
-            LodForm::Geometry(lod) => self.geometry(&prototype.part, lod as usize, bark_height),
+            LodForm::Geometry(lod) => self.geometry(&prototype.part, lod as usize, coat),
         };
         let templates = tree.levels.iter().enumerate().map(|(level, shared)| {
             let prototypes = shared.prototypes.iter().enumerate();
@@ -95,10 +95,10 @@ impl CrossQuads {
 
     /// A part's own geometry: a tube of a spline LOD, a leaf card, or nothing.
     #[must_use]
-    pub fn geometry(&self, part: &Part, lod: usize, bark_height: f32) -> Option<Template> {
+    pub fn geometry(&self, part: &Part, lod: usize, coat: Coat) -> Option<Template> {
         match part {
             Part::Stool => None,
-            Part::Branch(branch) => Some(tube(branch, lod, bark_height)),
+            Part::Branch(branch) => Some(tube(branch, lod, coat)),
             &Part::Leaf {
                 kind,
                 length,

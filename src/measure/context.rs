@@ -15,7 +15,7 @@ use crate::impostor::planes::strips::{self, Strip};
 use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3};
 use crate::mesh::card::{Pane, Quad, UvRect};
-use crate::mesh::{Flattener, Form, Mesh, TooLarge, card};
+use crate::mesh::{Coat, Flattener, Form, Mesh, TooLarge, card};
 use crate::report::{Cancelled, Progress};
 use crate::tree::{Kind, Tree};
 use rayon::prelude::*;
@@ -133,7 +133,7 @@ impl Gauge<'_> {
         let state = State {
             forms: (0..tree.levels.len()).map(form).collect(),
         };
-        self.quads.form(tree, &state, 1.0)
+        self.quads.form(tree, &state, Coat::plain(1.0))
     }
 
     /// Fails once the work should be given up.
@@ -172,7 +172,13 @@ impl Gauge<'_> {
     pub(super) fn straightened(&self, level: usize, prototype: usize) -> Result<Mesh, TooLarge> {
         let (form, seat) = (self.form(level), (level, prototype));
         let standing = (self.turns[level], 1.0);
-        strips::straightened(self.tree, &form, seat, (CAPTURE_SPLINE_LOD, 1.0), standing)
+        strips::straightened(
+            self.tree,
+            &form,
+            seat,
+            (CAPTURE_SPLINE_LOD, Coat::plain(1.0)),
+            standing,
+        )
     }
 
     /// A prototype's sub-tree without its own branch.

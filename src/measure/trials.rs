@@ -9,7 +9,7 @@ use crate::impostor::cross_quad;
 use crate::impostor::planes::{self, Plane, Stem};
 use crate::lod::cut::Offer;
 use crate::math::{PI, Vec3};
-use crate::mesh::{Mesh, tube};
+use crate::mesh::{Coat, Mesh, tube};
 use crate::species::schema::{ClosedForm, Lod, Simplification};
 use crate::tree::{Branch, Part};
 use std::borrow::Cow;
@@ -102,7 +102,7 @@ impl Gauge<'_> {
             1
         };
         let place = crate::math::Similarity::IDENTITY;
-        let mesh = |lod: usize| tube(branch, lod, 1.0).placed(&place, 1.0);
+        let mesh = |lod: usize| tube(branch, lod, Coat::plain(1.0)).placed(&place, 1.0);
         for lod in 0..splines {
             let error = match lod {
                 0 => 0.0,
@@ -148,7 +148,7 @@ impl Gauge<'_> {
                 radius: branch.radius,
                 triangles: self
                     .quads
-                    .geometry(part, CAPTURE_SPLINE_LOD, 1.0)
+                    .geometry(part, CAPTURE_SPLINE_LOD, Coat::plain(1.0))
                     .map_or(0, |t| t.indices.len() / 3),
             }),
             _ => None,

@@ -1,5 +1,6 @@
 //! Leaf cards and the quads of cross-quads.
 
+use super::WHITE;
 use super::template::{Material, Template, TemplateVertex};
 use crate::image::trim::{Corners, WHOLE};
 use crate::math::Vec3;
@@ -87,6 +88,7 @@ pub fn leaf(length: f32, width: f32, fold: f32, pane: &Pane) -> Template {
             normal: Vec3::new(sine, 0.0, cosine),
             tangent: Vec3::new(cosine, 0.0, -sine),
             uv: pane.uv_at([x, y]),
+            tint: WHITE,
         });
     }
     for column in 0..u32::try_from(columns.len()).unwrap_or(2) - 1 {
@@ -174,6 +176,7 @@ pub fn quads(quads: &[Quad]) -> Template {
                 normal,
                 tangent: quad.right,
                 uv: quad.pane.uv_at([x, y]),
+                tint: WHITE,
             });
         }
         template

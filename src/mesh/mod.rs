@@ -2,12 +2,14 @@
 
 pub mod card;
 pub mod check;
+mod coat;
 mod flatten;
 mod front;
 mod sway;
 mod template;
 mod tube;
 
+pub use coat::Coat;
 pub use flatten::{Flattener, Form, Sizes, TooLarge};
 pub use front::{Dress, Wardrobe, front};
 pub use sway::Swayer;
@@ -17,7 +19,7 @@ pub use tube::tube;
 use crate::math::{Bounds, Vec3};
 use crate::wind::{Rig, Sway, Wind, displacement};
 
-/// A vertex as every stage, the exporter and the renderer see it: 48 bytes, no padding.
+/// A vertex as every stage, the exporter and the renderer see it: 52 bytes, no padding.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Vertex {
@@ -29,7 +31,12 @@ pub struct Vertex {
     pub tangent: [f32; 4],
     /// Texture coordinates, v downward as in glTF.
     pub uv: [f32; 2],
+    /// Linear factor on the texture's colour, 255 for 1; the fourth is always 255. See [`Coat`].
+    pub tint: [u8; 4],
 }
+
+/// The tint that leaves colours as they are.
+pub const WHITE: [u8; 4] = [255; 4];
 
 /// Triangles of one material.
 #[derive(Clone, Debug, Default, PartialEq)]

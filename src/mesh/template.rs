@@ -16,6 +16,8 @@ pub struct TemplateVertex {
     pub tangent: Vec3,
     /// Texture coordinates.
     pub uv: [f32; 2],
+    /// As in [`Vertex::tint`].
+    pub tint: [u8; 4],
 }
 
 /// Which material a template is drawn in.
@@ -80,6 +82,7 @@ impl Template {
             let point = vertex.axis + vertex.offset * thickness;
             let tangent = vertex.tangent.extend(1.0).to_array();
             motion.write(point, vertex.normal, tangent, vertex.uv, out);
+            out.tint = vertex.tint;
         }
         for (out, index) in indices.iter_mut().zip(&self.indices) {
             *out = base + index;
@@ -100,6 +103,7 @@ pub(super) fn write_rigid(
     for (out, vertex) in vertices.iter_mut().zip(&from.vertices) {
         let (point, normal) = (Vec3::from(vertex.position), Vec3::from(vertex.normal));
         motion.write(point, normal, vertex.tangent, vertex.uv, out);
+        out.tint = vertex.tint;
     }
     for (out, index) in indices.iter_mut().zip(&from.indices) {
         *out = base + index;
@@ -131,6 +135,7 @@ impl Motion {
         }
     }
 
+    /// Writes all but the tint.
     #[inline]
     fn write(&self, point: Vec3, normal: Vec3, tangent: [f32; 4], uv: [f32; 2], out: &mut Vertex) {
         let mix = |[x, y, z]: &[[f32; 4]; 3], a: f32, b: f32, c: f32| -> [f32; 4] {
@@ -143,7 +148,7 @@ impl Motion {
         let handedness = tangent[3];
         let tangent = mix(&self.turn, tangent[0], tangent[1], tangent[2]);
         // Whole lanes are stored, and the next attribute covers the lane that is not used.
-        let out: &mut [f32; 12] = bytemuck::cast_mut(out);
+        let out: &mut [f32; 13] = bytemuck::cast_mut(out);
         out[0..4].copy_from_slice(&position);
         out[3..7].copy_from_slice(&normal);
         out[6..10].copy_from_slice(&tangent);

@@ -5,22 +5,23 @@
 //! apex. Bark coordinates do not swim between LODs: v is arc length over the bark's real height, u runs
 //! over whole repeats around the stem, the same in every LOD.
 
+use super::coat::Coat;
 use super::template::{Material, Template, TemplateVertex};
 use crate::math::{PI, TAU, Vec3};
 use crate::tree::{AxisSample, Branch};
 
-/// Builds the tube of a branch at a geometry LOD; `bark_height` is the real height of one repeat, metres.
+/// Builds the tube of a branch at a geometry LOD, in its bark.
 #[must_use]
-pub fn tube(branch: &Branch, lod: usize, bark_height: f32) -> Template {
+pub fn tube(branch: &Branch, lod: usize, coat: Coat) -> Template {
     let rings = branch.tube(lod);
-    let repeats = (TAU * branch.radius / bark_height).round().max(1.0);
+    let repeats = (TAU * branch.radius / coat.height_m).round().max(1.0);
     let mut template = Template {
         material: Material::Bark,
         ..Template::default()
     };
     for (ring, sides) in rings.clone() {
         for side in 0..=sides {
-            let vertex = on_ring(branch, ring, side, sides, repeats, bark_height);
+            let vertex = on_ring(branch, ring, side, sides, repeats, coat);
             template.vertices.push(vertex);
         }
     }
@@ -29,7 +30,7 @@ pub fn tube(branch: &Branch, lod: usize, bark_height: f32) -> Template {
     for side in 0..rim {
         template
             .vertices
-            .push(apex(branch, last, side, rim, repeats, bark_height));
+            .push(apex(branch, last, side, rim, repeats, coat));
     }
     let mut lower = 0;
     for ((_, sides), (_, next)) in rings.clone().zip(rings.skip(1)) {
@@ -72,7 +73,7 @@ fn on_ring(
     side: u32,
     sides: u32,
     repeats: f32,
-    height: f32,
+    coat: Coat,
 ) -> TemplateVertex {
     let sample = &branch.axis[at];
     let part = side as f32 / sides as f32;
@@ -91,7 +92,8 @@ fn on_ring(
         offset: out * (sample.radius * lobe * widened(sides)),
         normal,
         tangent: (around - normal * around.dot(normal)).normalize_or(around),
-        uv: [part * repeats, -along / height],
+        uv: [part * repeats, -along / coat.height_m],
+        tint: coat.tint(sample.radius),
     }
 }
 
@@ -125,7 +127,7 @@ fn apex(
     side: u32,
     sides: u32,
     repeats: f32,
-    height: f32,
+    coat: Coat,
 ) -> TemplateVertex {
     let sample = &branch.axis[at];
     let part = (side as f32 + 0.5) / sides as f32;
@@ -149,6 +151,7 @@ fn apex(
         offset: up * dome,
         normal,
         tangent: (around - normal * around.dot(normal)).normalize_or(around),
-        uv: [part * repeats, -(branch.length + dome) / height],
+        uv: [part * repeats, -(branch.length + dome) / coat.height_m],
+        tint: coat.tint(sample.radius),
     }
 }

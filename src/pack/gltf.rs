@@ -1,12 +1,14 @@
 //! One LOD as a GLB: one mesh, at most two primitives (bark: opaque; foliage: alpha-masked, seen from both
-//! sides), interleaved vertices, textures by relative URI or inside. How vertices sway goes to attributes of its
-//! own, which programs that do not know them leave alone: `COLOR_0` would be multiplied into the colour.
+//! sides), interleaved vertices, textures by relative URI or inside. Tints go to `COLOR_0`, which all programs
+//! multiply into the colour; how vertices sway goes to attributes of its own, which programs that do not know them
+//! leave alone.
 
 use super::{BuildError, Options, PackFile, Textures};
 use crate::capture::ALPHA_CUTOFF;
-use crate::mesh::{Mesh, Primitive, Vertex};
+use crate::mesh::{Mesh, Primitive, Vertex, WHITE};
 use crate::wind::Sway;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 
 /// Component types and targets of glTF 2.0.
 pub(super) const FLOAT: u32 = 5126;
@@ -64,10 +66,19 @@ impl Document {
         }
         let foliage = name == "foliage";
         let material = self.material(name, textures, foliage, options.embed);
-        let vertices = self.view(
-            bytemuck::cast_slice(&primitive.vertices),
-            json!({ "target": ARRAY_BUFFER, "byteStride": size_of::<Vertex>() }),
-        );
+        let tinted = primitive.vertices.iter().any(|v| v.tint != WHITE);
+        let (bytes, stride) = if tinted {
+            let bytes = bytemuck::cast_slice(&primitive.vertices);
+            (Cow::Borrowed(bytes), size_of::<Vertex>())
+        } else {
+            let untinted = |v: &Vertex| bytemuck::cast::<Vertex, [u8; size_of::<Vertex>()]>(*v);
+            let stride = core::mem::offset_of!(Vertex, tint);
+            let bytes = primitive.vertices.iter().map(untinted);
+            let bytes: Vec<u8> = bytes.flat_map(|b| b.into_iter().take(stride)).collect();
+            (Cow::Owned(bytes), stride)
+        };
+        let target = json!({ "target": ARRAY_BUFFER, "byteStride": stride });
+        let vertices = self.view(&bytes, target);
         let count = primitive.vertices.len();
         let mut attribute = |offset: usize, kind: &str, bounds: Option<([f32; 3], [f32; 3])>| {
             let mut accessor = json!({
@@ -87,6 +98,13 @@ impl Document {
             "TANGENT": attribute(core::mem::offset_of!(Vertex, tangent), "VEC4", None),
             "TEXCOORD_0": attribute(core::mem::offset_of!(Vertex, uv), "VEC2", None),
         });
+        if tinted {
+            self.accessors.push(json!({
+                "bufferView": vertices, "byteOffset": core::mem::offset_of!(Vertex, tint),
+                "componentType": U8, "normalized": true, "count": count, "type": "VEC4",
+            }));
+            attributes["COLOR_0"] = json!(self.accessors.len() - 1);
+        }
         if !options.no_wind && !primitive.sway.is_empty() {
             self.sway(&primitive.sway, &mut attributes);
         }

@@ -15,7 +15,7 @@ use crate::math::Similarity;
 use crate::measure::menu::{Forms, Look};
 use crate::measure::silhouette::Cutouts;
 use crate::measure::yardstick::{Verdict, Yardstick};
-use crate::mesh::{Dress, Flattener, Mesh, Swayer, TooLarge, Wardrobe, card, front};
+use crate::mesh::{Coat, Dress, Flattener, Mesh, Swayer, TooLarge, Wardrobe, card, front};
 use crate::report::{Cancelled, Progress, Warning};
 use crate::species::schema::Lod;
 use crate::tree::{Kind, Tree};
@@ -290,7 +290,7 @@ pub(super) struct Fitting<'a> {
     pub(super) used: &'a Used,
     pub(super) quads: &'a CrossQuads,
     pub(super) swayer: &'a Swayer<'a>,
-    pub(super) bark_height: f32,
+    pub(super) coat: Coat,
     pub(super) calibrate: bool,
     pub(super) selection: Selection,
     pub(super) progress: &'a dyn Progress,
@@ -415,9 +415,7 @@ impl Fitting<'_> {
     fn mesh(&self, candidate: &Candidate, scale: f32) -> Result<Mesh, TooLarge> {
         match (candidate, self.forms) {
             (Candidate::Levels(state, _), _) => {
-                let form = self
-                    .quads
-                    .scaled_form(self.tree, state, self.bark_height, scale);
+                let form = self.quads.scaled_form(self.tree, state, self.coat, scale);
                 Flattener::new(self.tree, &form).tree()
             }
             (Candidate::Cut(cut), Some(forms)) => {
@@ -431,9 +429,7 @@ impl Fitting<'_> {
     fn sway(&self, candidate: &Candidate, scale: f32, mesh: &mut Mesh) {
         match (candidate, self.forms) {
             (Candidate::Levels(state, _), _) => {
-                let form = self
-                    .quads
-                    .scaled_form(self.tree, state, self.bark_height, scale);
+                let form = self.quads.scaled_form(self.tree, state, self.coat, scale);
                 self.swayer.form(&form, mesh);
             }
             (Candidate::Cut(cut), Some(forms)) => {
@@ -452,7 +448,7 @@ impl Fitting<'_> {
                 .map(|(prototype, node)| {
                     if shared.kind == Kind::Leaf {
                         return vec![Dress {
-                            template: self.quads.geometry(&node.part, 0, self.bark_height),
+                            template: self.quads.geometry(&node.part, 0, self.coat),
                             open: false,
                         }];
                     }
@@ -479,7 +475,7 @@ impl Fitting<'_> {
         let quads = self.quads;
         let template = match look {
             Look::Bare => None,
-            Look::Geometry(lod) => quads.geometry(part, usize::from(*lod), self.bark_height),
+            Look::Geometry(lod) => quads.geometry(part, usize::from(*lod), self.coat),
             Look::Quads => quads.branches[level][prototype].map(|q| card::quads(&q)),
             Look::Cross(own) => quads.combined[level][prototype]
                 .map(|q| card::quads(&q.map(|q| q.scaled_on(level, own * scale)))),
@@ -552,7 +548,7 @@ pub(super) fn reference(
     tree: &Tree,
     lod: &Lod,
     quads: &CrossQuads,
-    bark_height: f32,
+    coat: Coat,
     limit: u64,
 ) -> Result<Mesh, TooLarge> {
     let selector = Selector::new(tree, lod);
@@ -563,7 +559,7 @@ pub(super) fn reference(
         let first = chain.lods.first();
         first.map_or_else(|| State::full(tree), |l| l.state.clone())
     };
-    let form = quads.form(tree, &state, bark_height);
+    let form = quads.form(tree, &state, coat);
     let mut mesh = Mesh::default();
     Flattener::new(tree, &form).write(0, 0, &Similarity::IDENTITY, 1.0, &mut mesh)?;
     Ok(mesh)

@@ -18,7 +18,7 @@ use crate::measure::MeasureError;
 use crate::measure::menu::{self, Forms};
 use crate::measure::silhouette::Cutouts;
 use crate::measure::yardstick::Yardstick;
-use crate::mesh::{Flattener, Mesh, Swayer, TooLarge};
+use crate::mesh::{Coat, Flattener, Mesh, Swayer, TooLarge};
 use crate::report::{Cancelled, MachineFault, Progress, Warning};
 use crate::shadow;
 use crate::species::Files;
@@ -211,9 +211,8 @@ pub fn generate_with(
     let seed = settings.seed.unwrap_or(species.seed);
     let tree = tree::grow(species, seed, &settings.limits)?;
     let artwork = artwork(species, seed, files)?;
-    let bark = bark(species, seed, settings.bark_size, files)?;
+    let (coat, bark) = bark(species, seed, settings.bark_size, files)?;
     let mut plan = Plan::of(&tree);
-    let height = species.bark.height_m();
     let forms = forms(species, settings, &tree, &artwork, progress)?;
     let budgets = settings.budgets.as_deref().unwrap_or(&species.lod.budgets);
     let budgets = (budgets, settings.full);
@@ -224,7 +223,7 @@ pub fn generate_with(
         &tree,
         &plan,
         &artwork,
-        (&bark, height),
+        (&bark, coat),
         &settings.captures,
         progress,
     )?;
@@ -236,7 +235,7 @@ pub fn generate_with(
         used: &used,
         quads: &baked.quads,
         swayer: &swayer,
-        bark_height: height,
+        coat,
         calibrate: settings.calibrate.unwrap_or(species.lod.calibrate),
         selection: settings.asked(species).selector.into(),
         progress,
@@ -250,7 +249,7 @@ pub fn generate_with(
     }
     let mut warnings = baked.warnings;
     warnings.extend(drafts.warnings);
-    let mesh = caster(species, &tree, &baked.quads)?;
+    let mesh = caster(species, &tree, &baked.quads, coat)?;
     warnings.extend(simplified(species, &tree, &mesh));
     let alpha = baked.atlas.map(|t| byte_from_unit(t.alpha));
     let alpha = (&alpha, byte_from_unit(ALPHA_CUTOFF));
@@ -359,19 +358,20 @@ impl LeafArtwork for Artwork<'_> {
     }
 }
 
-/// The bark texture as mips; its size is kept whatever the image file's.
+/// How bark lies on stems, and its texture as mips, of the asked size whatever the image file's.
 fn bark(
     species: &Species,
     seed: u64,
     size: u32,
     files: &dyn Files,
-) -> Result<Vec<Image<Texel>>, GenerateError> {
+) -> Result<(Coat, Vec<Image<Texel>>), GenerateError> {
     use crate::species::schema::Bark;
     let base = match &species.bark {
         Bark::Drawn(art) => texture::bark(art, seed, size),
         Bark::Image { path, .. } => texture::resized(&read_image(path, files)?, size, size),
     };
-    Ok(mips::chain(base, 10, ALPHA_CUTOFF))
+    let (coat, base) = Coat::of(&species.bark, base);
+    Ok((coat, mips::chain(base, 10, ALPHA_CUTOFF)))
 }
 
 /// Trees of more leaf cards are not measured form by form: their LODs are chosen by level-wide steps.
@@ -429,7 +429,7 @@ fn lods(
         fitting.tree,
         &species.lod,
         fitting.quads,
-        fitting.bark_height,
+        fitting.coat,
         REFERENCE_TRIANGLES,
     )?;
     let cutouts = Cutouts::of(&baked.atlas);
@@ -458,13 +458,18 @@ fn leaf_triangles(tree: &Tree) -> u64 {
 }
 
 /// The mesh that casts the shadows: the finest form that is not wastefully fine.
-fn caster(species: &Species, tree: &Tree, quads: &CrossQuads) -> Result<Mesh, TooLarge> {
+fn caster(
+    species: &Species,
+    tree: &Tree,
+    quads: &CrossQuads,
+    coat: Coat,
+) -> Result<Mesh, TooLarge> {
     let selector = Selector::new(tree, &species.lod);
     let chain = selector.chain(&[SHADOW_TRIANGLES], false);
     let state = chain
         .lods
         .first()
         .map_or_else(|| crate::lod::State::full(tree), |l| l.state.clone());
-    let form = quads.form(tree, &state, species.bark.height_m());
+    let form = quads.form(tree, &state, coat);
     Flattener::new(tree, &form).tree()
 }

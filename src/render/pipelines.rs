@@ -42,11 +42,12 @@ pub(super) struct ForestPipelines {
     pub(super) patches: wgpu::RenderPipeline,
 }
 
-const VERTEX: [VertexAttribute; 4] = [
+const VERTEX: [VertexAttribute; 5] = [
     attribute(0, offset_of!(Vertex, position), VertexFormat::Float32x3),
     attribute(1, offset_of!(Vertex, normal), VertexFormat::Float32x3),
     attribute(2, offset_of!(Vertex, tangent), VertexFormat::Float32x4),
     attribute(3, offset_of!(Vertex, uv), VertexFormat::Float32x2),
+    attribute(10, offset_of!(Vertex, tint), VertexFormat::Unorm8x4),
 ];
 
 const SWAY: [VertexAttribute; 2] = [

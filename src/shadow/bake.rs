@@ -216,6 +216,7 @@ mod tests {
             normal: [0.0, 1.0, 0.0],
             tangent: [1.0, 0.0, 0.0, 1.0],
             uv,
+            tint: crate::mesh::WHITE,
         }
     }
 

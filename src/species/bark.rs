@@ -11,6 +11,10 @@ pub enum Bark {
         path: String,
         /// Real height of one repeat, metres.
         height_m: f32,
+        /// Colour of young bark, linear.
+        young: [f32; 3],
+        /// As in [`BarkArt::mature_radius_m`].
+        mature_radius_m: f32,
     },
 }
 
@@ -21,6 +25,26 @@ impl Bark {
         match self {
             Self::Drawn(art) => art.height_m,
             Self::Image { height_m, .. } => *height_m,
+        }
+    }
+
+    /// Colour of young bark, linear.
+    #[must_use]
+    pub fn young(&self) -> [f32; 3] {
+        match self {
+            Self::Drawn(art) => art.young,
+            Self::Image { young, .. } => *young,
+        }
+    }
+
+    /// Radius from which on stems have mature bark, metres; 0 if all have.
+    #[must_use]
+    pub fn mature_radius_m(&self) -> f32 {
+        match self {
+            Self::Drawn(art) => art.mature_radius_m,
+            Self::Image {
+                mature_radius_m, ..
+            } => *mature_radius_m,
         }
     }
 }
@@ -36,8 +60,11 @@ pub struct BarkArt {
     pub dark: [f32; 3],
     /// Third colour, linear; each pattern says of what.
     pub accent: [f32; 3],
-    /// Colour of young bark, linear: what is to be seen where `age` is below 1.
+    /// Colour of young bark, linear: what is to be seen on thin stems, and where `age` is below 1.
     pub young: [f32; 3],
+    /// Radius from which on stems have mature bark, metres, 0..=3: thinner ones take on the colour of young bark,
+    /// twigs wholly. 0 if all stems look alike.
+    pub mature_radius_m: f32,
     /// Real height of one repeat along the stem, metres. One repeat around is as wide as it is high.
     pub height_m: f32,
     /// Real depth of the relief, metres.

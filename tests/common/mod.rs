@@ -358,6 +358,7 @@ fn bark() -> Bark {
         dark: [0.1, 0.08, 0.06],
         accent: [0.05, 0.04, 0.03],
         young: [0.2, 0.2, 0.1],
+        mature_radius_m: 0.0,
         height_m: 0.5,
         depth_m: 0.01,
         width_m: 0.1,

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use crate::impostor::cross_quad::CrossQuads;
 use crate::lod::State;
 use crate::math::{Vec3, float};
-use crate::mesh::{Flattener, Mesh, Primitive, Vertex};
+use crate::mesh::{Coat, Flattener, Mesh, Primitive, Vertex, WHITE};
 use crate::species::{self, NoFiles};
 use crate::tree::{Limits, grow};
 
@@ -16,8 +16,8 @@ pub(super) fn olive() -> &'static Mesh {
         let text = include_str!("../../../species/olive.ron");
         let species = species::parse("olive.ron", text, &NoFiles).expect("a sound script");
         let tree = grow(&species, species.seed, &Limits::default()).expect("it grows");
-        let height = species.bark.height_m();
-        let form = CrossQuads::none(&tree, Vec::new()).form(&tree, &State::full(&tree), height);
+        let coat = Coat::plain(species.bark.height_m());
+        let form = CrossQuads::none(&tree, Vec::new()).form(&tree, &State::full(&tree), coat);
         Flattener::new(&tree, &form).tree().expect("small")
     });
     &OLIVE
@@ -41,6 +41,7 @@ pub(super) fn cards(triangles: &[u32]) -> Mesh {
                     normal: [0.0, 0.0, 1.0],
                     tangent: [1.0, 0.0, 0.0, 1.0],
                     uv: [float(card) / count, y],
+                    tint: WHITE,
                 });
             }
             if column > 0 {
@@ -56,14 +57,14 @@ pub(super) fn cards(triangles: &[u32]) -> Mesh {
 }
 
 /// The vertices of a primitive as bits.
-pub(super) fn vertices_of(primitive: &Primitive) -> BTreeSet<[u32; 12]> {
+pub(super) fn vertices_of(primitive: &Primitive) -> BTreeSet<[u32; 13]> {
     primitive.vertices.iter().map(bits).collect()
 }
 
 /// True if every triangle's three vertices, to the bit, are a triangle of `full` in the same material.
 /// Simplified bark is not asked for its triangles, only its vertices.
 pub(super) fn is_subset(mesh: &Mesh, full: &Mesh) -> bool {
-    let triangles = |primitive: &Primitive| -> BTreeSet<[[u32; 12]; 3]> {
+    let triangles = |primitive: &Primitive| -> BTreeSet<[[u32; 13]; 3]> {
         let corner = |i: &u32| bits(&primitive.vertices[*i as usize]);
         let triangles = primitive.indices.chunks_exact(3);
         triangles
@@ -74,6 +75,6 @@ pub(super) fn is_subset(mesh: &Mesh, full: &Mesh) -> bool {
         && vertices_of(&mesh.bark).is_subset(&vertices_of(&full.bark))
 }
 
-fn bits(vertex: &Vertex) -> [u32; 12] {
+fn bits(vertex: &Vertex) -> [u32; 13] {
     bytemuck::cast(*vertex)
 }

@@ -335,6 +335,7 @@ mod tests {
             normal: Vec3::Z,
             tangent: Vec3::X,
             uv: [0.0; 2],
+            tint: crate::mesh::WHITE,
         };
         Template {
             vertices: vec![

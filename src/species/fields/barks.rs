@@ -15,6 +15,13 @@ const REPEAT: Limits = limits(0.01, 20.0, "metres");
 /// Mean size of a part of a pattern: a few millimetres to the largest repeat.
 const PIECE: Limits = limits(0.002, 10.0, "metres");
 
+/// Radius from which on bark is mature: 0 for one bark on all stems.
+const RADIUS: Limits = limits(0.0, 3.0, "metres");
+
+const YOUNG: &str = "Colour of young bark, to be seen on thin stems and where `age` is below 1.";
+const MATURE_RADIUS: &str = "Radius from which on stems have mature bark. Thinner ones take on the colour of young \
+                             bark, twigs wholly; 0 if all stems look alike.";
+
 /// What a bark is where a script does not say it, each in the script's words.
 struct Usual {
     /// Light, dark, accent, young.
@@ -22,10 +29,11 @@ struct Usual {
     /// Repeat, depth, width and length of a part.
     metres: [&'static str; 4],
     roughness: &'static str,
+    mature_radius_m: &'static str,
 }
 
 /// The fields that all drawn barks have.
-const fn common(usual: &Usual) -> [Field; 12] {
+const fn common(usual: &Usual) -> [Field; 13] {
     let [light, dark, accent, young] = usual.colours;
     let [height_m, depth_m, width_m, length_m] = usual.metres;
     [
@@ -37,11 +45,12 @@ const fn common(usual: &Usual) -> [Field; 12] {
             Means(accent),
             "Third colour: inner bark, lenticels, scars, the middle layer of a mosaic.",
         ),
+        field("young", Colour, Means(young), YOUNG),
         field(
-            "young",
-            Colour,
-            Means(young),
-            "Colour of young bark, to be seen where `age` is below 1.",
+            "mature_radius_m",
+            Number(RADIUS),
+            Means(usual.mature_radius_m),
+            MATURE_RADIUS,
         ),
         field(
             "height_m",
@@ -124,6 +133,7 @@ pub static RIDGED: Table = Table {
             colours: ["\"#8a8378\"", "\"#3a322b\"", "\"#5a4432\"", "\"#8a8068\""],
             metres: ["0.6", "0.015", "0.05", "0.21"],
             roughness: "0.9",
+            mature_radius_m: "0.08",
         }),
     ],
 };
@@ -142,6 +152,7 @@ pub static GNARLED: Table = Table {
             colours: ["\"#8a8378\"", "\"#3a322b\"", "\"#7d6a55\"", "\"#8b8d80\""],
             metres: ["0.6", "0.015", "0.045", "0.095"],
             roughness: "0.87",
+            mature_radius_m: "0.08",
         }),
     ],
 };
@@ -168,6 +179,7 @@ pub static SMOOTH: Table = Table {
             colours: ["\"#90908b\"", "\"#6c6c67\"", "\"#383733\"", "\"#635c50\""],
             metres: ["0.6", "0.004", "0.12", "0.12"],
             roughness: "0.7",
+            mature_radius_m: "0.05",
         }),
     ],
 };
@@ -194,6 +206,7 @@ pub static PAPERY: Table = Table {
             colours: ["\"#c2beb4\"", "\"#2b2724\"", "\"#a08a74\"", "\"#5c3f31\""],
             metres: ["0.9", "0.008", "0.13", "0.17"],
             roughness: "0.55",
+            mature_radius_m: "0.04",
         }),
     ],
 };
@@ -219,6 +232,7 @@ pub static BANDED: Table = Table {
             colours: ["\"#704639\"", "\"#3b231d\"", "\"#8c7058\"", "\"#6b4334\""],
             metres: ["0.6", "0.004", "0.024", "0.045"],
             roughness: "0.45",
+            mature_radius_m: "0.05",
         }),
     ],
 };
@@ -244,6 +258,7 @@ pub static PLATES: Table = Table {
             colours: ["\"#807064\"", "\"#2c231d\"", "\"#946a50\"", "\"#9a7048\""],
             metres: ["1", "0.025", "0.09", "0.18"],
             roughness: "0.9",
+            mature_radius_m: "0.1",
         }),
     ],
 };
@@ -262,6 +277,7 @@ pub static MOSAIC: Table = Table {
             colours: ["\"#aea588\"", "\"#665f52\"", "\"#828064\"", "\"#6e6c4c\""],
             metres: ["1", "0.006", "0.11", "0.14"],
             roughness: "0.65",
+            mature_radius_m: "0.05",
         }),
     ],
 };
@@ -276,6 +292,7 @@ pub static FIBROUS: Table = Table {
             colours: ["\"#806c5b\"", "\"#3a2c23\"", "\"#8b8278\"", "\"#6c5a40\""],
             metres: ["0.8", "0.012", "0.035", "0.4"],
             roughness: "0.9",
+            mature_radius_m: "0.06",
         }),
     ],
 };
@@ -294,6 +311,7 @@ pub static RINGS: Table = Table {
             colours: ["\"#8a8378\"", "\"#4a4238\"", "\"#a09584\"", "\"#867d60\""],
             metres: ["0.6", "0.012", "0.016", "0.06"],
             roughness: "0.88",
+            mature_radius_m: "0",
         }),
     ],
 };
@@ -312,6 +330,7 @@ pub static LATTICE: Table = Table {
             colours: ["\"#807261\"", "\"#302821\"", "\"#988365\"", "\"#867d60\""],
             metres: ["1", "0.05", "0.14", "0.11"],
             roughness: "0.9",
+            mature_radius_m: "0",
         }),
     ],
 };
@@ -328,5 +347,7 @@ pub static BARK_IMAGE: Table = Table {
             Fault,
             "Real height of one repeat.",
         ),
+        field("young", Colour, Means("\"#8a8068\""), YOUNG),
+        field("mature_radius_m", Number(RADIUS), Means("0"), MATURE_RADIUS),
     ]],
 };

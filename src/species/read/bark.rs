@@ -12,6 +12,7 @@ const NO_BARK: BarkArt = BarkArt {
     dark: [0.0; 3],
     accent: [0.0; 3],
     young: [0.0; 3],
+    mature_radius_m: 0.0,
     height_m: 1.0,
     depth_m: 0.0,
     width_m: 0.1,
@@ -33,6 +34,8 @@ pub(super) fn bark(reader: &mut Reader<'_>, root: &Fields<'_>) -> Bark {
         return Bark::Image {
             path: reader.image(&fields, "path"),
             height_m: fields.number(&mut reader.out, "height_m"),
+            young: fields.colour(&mut reader.out, "young"),
+            mature_radius_m: fields.number(&mut reader.out, "mature_radius_m"),
         };
     }
     let drawn = root.read(&mut reader.out, "bark", |out, value, _| drawn(out, value));
@@ -63,6 +66,7 @@ fn drawn(out: &mut Report, value: &Value<'_>) -> Option<BarkArt> {
         dark: fields.colour(out, "dark"),
         accent: fields.colour(out, "accent"),
         young: fields.colour(out, "young"),
+        mature_radius_m: fields.number(out, "mature_radius_m"),
         height_m: fields.number(out, "height_m"),
         depth_m: fields.number(out, "depth_m"),
         width_m: fields.number(out, "width_m"),

@@ -39,6 +39,7 @@ fn art(pattern: BarkPattern) -> BarkArt {
         dark: [0.06, 0.045, 0.03],
         accent: [0.2, 0.15, 0.1],
         young: [0.2, 0.2, 0.12],
+        mature_radius_m: 0.0,
         height_m: 0.6,
         depth_m: 0.01,
         width_m: 0.06,

@@ -22,7 +22,9 @@ pub use wings::{spread, wings};
 use super::{Item, Plane};
 use crate::math::{Quat, Similarity, Vec3};
 use crate::mesh::card::UvRect;
-use crate::mesh::{Flattener, Form, Material, Mesh, Template, TemplateVertex, TooLarge, tube};
+use crate::mesh::{
+    Coat, Flattener, Form, Material, Mesh, Template, TemplateVertex, TooLarge, WHITE, tube,
+};
 use crate::tree::{AxisSample, Branch, Part, Tree};
 
 /// A branch's axis laid along +Y, and the way back.
@@ -185,6 +187,7 @@ impl Strip {
                     normal,
                     tangent: across,
                     uv: [u, uv.v1 + (uv.v0 - uv.v1) * row.part],
+                    tint: WHITE,
                 });
             }
         }
@@ -435,7 +438,7 @@ pub fn straightened(
     tree: &Tree,
     form: &Form,
     (level, prototype): (usize, usize),
-    (lod, bark_height): (usize, f32),
+    (lod, coat): (usize, Coat),
     (turn, thickness): (Quat, f32),
 ) -> Result<Mesh, TooLarge> {
     let node = tree.prototype(level, prototype);
@@ -447,7 +450,7 @@ pub fn straightened(
         sample.position = Vec3::Y * (sample.t * branch.length);
         sample.frame = Quat::IDENTITY;
     }
-    let mut mesh = tube(&straight, lod, bark_height).placed(&Similarity::IDENTITY, thickness);
+    let mut mesh = tube(&straight, lod, coat).placed(&Similarity::IDENTITY, thickness);
     let flattener = Flattener::new(tree, form);
     let standing = |rotation: Quat| Similarity {
         rotation,
