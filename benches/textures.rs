@@ -26,7 +26,9 @@ fn scripts() -> Vec<String> {
 }
 
 fn read(name: &str) -> Species {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("species").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("species")
+        .join(name);
     let text = std::fs::read_to_string(path).expect("a script");
     species::parse(name, &text, &NoFiles).expect("a sound script")
 }

@@ -9,6 +9,7 @@ pub mod batch;
 pub mod capture;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod disk;
 pub mod evaluate;
 #[cfg(feature = "gpu")]
 pub mod gpu;
@@ -34,6 +35,8 @@ pub mod rng;
 pub mod shadow;
 pub mod species;
 pub mod spline;
+#[cfg(feature = "studio")]
+pub mod studio;
 pub mod survey;
 pub mod texture;
 pub mod tree;

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 /// one layer know nothing of each other.
 const LAYERS: &[(&str, &[&str])] = &[
     (
-        "base: algebra, draws by key, warnings",
-        &["math", "rng", "report"],
+        "base: algebra, draws by key, warnings, whole files",
+        &["math", "rng", "report", "disk"],
     ),
     ("where the wind takes what sways", &["wind"]),
     ("scripts and what they say", &["species"]),
@@ -41,6 +41,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("other programs' parameters", &["import"]),
     ("many trees", &["batch"]),
     ("a window on a tree", &["viewer"]),
+    ("a window in which a species is made", &["studio"]),
     ("faces", &["cli"]),
     ("the program and the crate", &["main", "lib"]),
 ];

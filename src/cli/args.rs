@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Render(Render),
     /// Show a script's tree or a pack in a window; a script is grown again whenever it is saved.
     Preview(Preview),
+    /// Make a species in a window: its parts, its script and its tree, side by side.
+    Studio(Studio),
 }
 
 #[derive(Debug, ClapArgs)]
@@ -388,6 +390,18 @@ pub(crate) struct Preview {
     pub(crate) texture_size: u32,
     /// Size of the window, such as 1280x800.
     #[arg(long, default_value = "1280x800", value_parser = size)]
+    pub(crate) size: [u32; 2],
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Studio {
+    /// Species script; a small tree to begin with if left out.
+    pub(crate) species: Option<PathBuf>,
+    /// Folder in which packs are made.
+    #[arg(long, default_value = "packs")]
+    pub(crate) out: PathBuf,
+    /// Size of the window, such as 1280x720.
+    #[arg(long, default_value = "1440x900", value_parser = size)]
     pub(crate) size: [u32; 2],
 }
 

@@ -12,6 +12,7 @@ mod measure;
 mod preview;
 mod progress;
 mod render;
+mod studio;
 mod table;
 
 use clap::Parser as _;
@@ -110,6 +111,7 @@ pub fn main() -> ExitCode {
         args::Command::Import(args) => import::run(args),
         args::Command::Render(args) => render::run(args),
         args::Command::Preview(args) => preview::run(args),
+        args::Command::Studio(args) => studio::run(args),
     };
     match result {
         Ok(end) => end.into(),
@@ -149,17 +151,7 @@ pub(crate) fn say(json: &impl serde::Serialize) -> Result<(), Failure> {
 pub(crate) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Failure> {
     let told =
         |e: std::io::Error| Failure::machine(format!("cannot write {}: {e}", path.display()));
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => std::path::Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    // Temporary files are private to the user; a picture is as readable as any new file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(told)?;
-    std::io::Write::write_all(&mut file, bytes).map_err(told)?;
-    file.persist(path).map_err(|e| told(e.error))?;
+    crate::disk::write_whole(path, bytes).map_err(told)?;
     eprintln!("{} ({})", path.display(), table::bytes(bytes.len() as u64));
     Ok(())
 }

@@ -25,4 +25,4 @@ mod window;
 pub use app::{App, Kept, Legacy, Start, StartError};
 pub use subject::{LodFacts, Source, Subject};
 pub use viewport::Viewport;
-pub use window::{Options, WindowError, run, setup};
+pub use window::{Options, WindowError, open, run, setup};

@@ -92,6 +92,37 @@ impl Subject {
             Tree::Pack(pack) => pack.drawable(),
         }
     }
+
+    /// The tree itself, where it was grown here.
+    #[must_use]
+    pub fn asset(&self) -> Option<&TreeAsset> {
+        match &self.tree {
+            Tree::Asset(asset) => Some(asset),
+            Tree::Pack(_) => None,
+        }
+    }
+
+    /// Grows the tree of a script's text. Files that it names are looked for in `folder` and noted in `watched`.
+    ///
+    /// # Errors
+    /// What is at fault, as `pleach check` words it; `name` is the script's.
+    pub fn grown(
+        (name, text): (&str, &str),
+        folder: &Path,
+        settings: &Settings,
+        watched: &Watched,
+        progress: &dyn Progress,
+    ) -> Result<Self, String> {
+        let files = Noted {
+            files: Beside(folder.to_owned()),
+            watched,
+        };
+        let species = species::parse(name, text, &files)
+            .map_err(|faults| faults.render(false).trim_end().to_owned())?;
+        let told = |error: GenerateError| format!("{name}: {error}");
+        let asset = pipeline::generate(&species, settings, &files, progress).map_err(told)?;
+        Ok(asset.into())
+    }
 }
 
 impl From<TreeAsset> for Subject {
@@ -153,15 +184,13 @@ fn grow(
         format!("{shown} is not text: byte {at} is not UTF-8")
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let files = Noted {
-        files: Beside(folder.to_owned()),
+    Subject::grown(
+        (&shown.to_string(), &text),
+        folder,
+        settings,
         watched,
-    };
-    let species = species::parse(&shown.to_string(), &text, &files)
-        .map_err(|faults| faults.render(false).trim_end().to_owned())?;
-    let told = |error: GenerateError| format!("{shown}: {error}");
-    let asset = pipeline::generate(&species, settings, &files, progress).map_err(told)?;
-    Ok(asset.into())
+        progress,
+    )
 }
 
 fn read(path: &Path, watched: &Watched, progress: &dyn Progress) -> Result<Subject, String> {

@@ -96,14 +96,36 @@ pub fn run(source: &Source, options: &Options) -> Result<(), WindowError> {
     }
 }
 
-/// One window, from its opening to its end.
+/// One window on a tree, from its opening to its end.
 fn show(options: &Options, start: Start) -> Result<(), WindowError> {
     let name = start.source.path().display().to_string();
+    open(&format!("{name} - Pleach"), options.size, |state, ctx| {
+        let ctx = ctx.clone();
+        let wake = move || ctx.request_repaint();
+        Ok(Box::new(App::new(state, start, wake)?))
+    })
+}
+
+/// Why a window's content cannot be made.
+type Unmade = Box<dyn std::error::Error + Send + Sync>;
+
+/// Opens a window with a title and a size in points, and shows what `make` puts into it until it is closed.
+///
+/// # Errors
+/// [`WindowError`].
+pub fn open(
+    title: &str,
+    size: [f32; 2],
+    make: impl FnOnce(
+        &eframe::egui_wgpu::RenderState,
+        &eframe::egui::Context,
+    ) -> Result<Box<dyn eframe::App>, Unmade>,
+) -> Result<(), WindowError> {
     let native = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
-            .with_title(format!("{name} - Pleach"))
+            .with_title(title)
             .with_app_id("pleach")
-            .with_inner_size(options.size)
+            .with_inner_size(size)
             .with_min_inner_size([320.0, 240.0]),
         wgpu_options: WgpuConfiguration {
             wgpu_setup: setup(),
@@ -113,21 +135,19 @@ fn show(options: &Options, start: Start) -> Result<(), WindowError> {
         dithering: false,
         ..eframe::NativeOptions::default()
     };
-    let open = move || {
+    let run = move || {
         eframe::run_native(
             "pleach",
             native,
             Box::new(|cc| {
                 let state = cc.wgpu_render_state.as_ref();
                 let state = state.ok_or("the window has no graphics device")?;
-                let ctx = cc.egui_ctx.clone();
-                super::panel::style(&ctx);
-                let wake = move || ctx.request_repaint();
-                Ok(Box::new(App::new(state, start, wake)?))
+                super::panel::style(&cc.egui_ctx);
+                make(state, &cc.egui_ctx)
             }),
         )
     };
-    let (result, panicked) = quietly(open);
+    let (result, panicked) = quietly(run);
     match result {
         Some(result) => result.map_err(|error| sentence(&error)),
         None => Err(panic_sentence(&panicked)),

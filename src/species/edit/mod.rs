@@ -1,4 +1,8 @@
-//! Editing a script's text at one field, leaving comments, order and everything else as they are.
+//! Editing a script's text at one place, leaving comments, order and everything else as they are.
+
+mod parts;
+
+pub use parts::{duplicate, insert, remove, reorder};
 
 use super::fields::{Absent, SPECIES};
 use super::schema::{Species, Variation};

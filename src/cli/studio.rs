@@ -1,0 +1,48 @@
+//! `pleach studio`: a window in which a species is made.
+
+use super::args::Studio;
+use super::{End, Failure};
+
+#[cfg(not(feature = "studio"))]
+pub(crate) fn run(args: &Studio) -> Result<End, Failure> {
+    let species = args.species.as_ref();
+    let check = species.map_or(String::new(), |path| format!(" {}", path.display()));
+    Err(Failure::usage(format!(
+        "studio: this build has no studio; build with `cargo build --release --features studio`, or edit the script \
+         with any editor and look at it with `pleach check{check}`; --out {} and --size {}x{} are its options",
+        args.out.display(),
+        args.size[0],
+        args.size[1],
+    )))
+}
+
+#[cfg(feature = "studio")]
+pub(crate) fn run(args: &Studio) -> Result<End, Failure> {
+    use crate::math::float;
+    use crate::studio::document::Document;
+    use crate::studio::{self, Begin, recovery, templates};
+    let document = match &args.species {
+        Some(path) => Document::open(path)
+            .map_err(|e| Failure::input(format!("cannot read {}: {e}", path.display())))?,
+        None => Document::new(templates::BLANK.to_owned()),
+    };
+    let notes = recovery::folder();
+    let begin = Begin {
+        left: notes.as_deref().map(recovery::left).unwrap_or_default(),
+        notes,
+        out: args.out.clone(),
+        stop: super::interrupted,
+        ..Begin::new(document)
+    };
+    studio::run(begin, args.size.map(float)).map_err(|error| {
+        if error.is_worth_another_try() {
+            Failure::machine(error)
+        } else {
+            Failure::input(error)
+        }
+    })?;
+    if super::interrupted() {
+        return Ok(End::Interrupted);
+    }
+    Ok(End::Done)
+}

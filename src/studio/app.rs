@@ -1,0 +1,527 @@
+//! The window's state: the document, the panes around it, and the threads that grow and write its tree.
+
+use super::document::{Document, Outside};
+use super::form::Change;
+use super::panes::{Pane, Panes, dock};
+use super::questions::Question;
+use super::recovery::{Journal, Left};
+use super::{menu, outline};
+use crate::gpu::GpuError;
+use crate::pack::{self, Options, Replace};
+use crate::pipeline;
+use crate::render::forest::ForestError;
+use crate::species::fault::Fault;
+use crate::viewer::loader::Loader;
+use crate::viewer::settings::Settings;
+use crate::viewer::watch::{Watch, Watched};
+use crate::viewer::{StartError, Subject, Viewport};
+use eframe::egui::{self, RichText, Ui};
+use eframe::egui_wgpu::RenderState;
+use egui_tiles::Tree;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Seconds that a message is shown.
+const MESSAGE: f64 = 6.0;
+
+/// What a window begins with.
+#[derive(Debug)]
+pub struct Begin {
+    /// What is worked on.
+    pub document: Document,
+    /// Folder of notes of what is unsaved; none to keep none.
+    pub notes: Option<PathBuf>,
+    /// What killed windows have left.
+    pub left: Vec<Left>,
+    /// Folder that packs are written into.
+    pub out: PathBuf,
+    /// True once the program is to end.
+    pub stop: fn() -> bool,
+}
+
+impl Begin {
+    /// A window on a document that keeps no notes.
+    #[must_use]
+    pub fn new(document: Document) -> Self {
+        Self {
+            document,
+            notes: None,
+            left: Vec::new(),
+            out: PathBuf::from("packs"),
+            stop: || false,
+        }
+    }
+}
+
+/// What is done once nothing is unsaved.
+#[derive(Clone, Debug)]
+pub(super) enum Next {
+    Close,
+    Open(PathBuf),
+    New(String),
+}
+
+/// What the user wants done.
+#[derive(Clone, Debug)]
+pub(super) enum Order {
+    Ask(Next),
+    Save,
+    SaveAs,
+    Open,
+    Export,
+    Undo,
+    Redo,
+    Select(String),
+    Change(Change),
+}
+
+/// The studio's state.
+pub struct Studio {
+    pub(super) document: Document,
+    pub(super) journal: Option<Journal>,
+    notes: Option<PathBuf>,
+    out: PathBuf,
+    stop: fn() -> bool,
+    view: Viewport,
+    settings: Settings,
+    /// The tree that is shown, and the text that it grew from.
+    grown: Option<Arc<Grown>>,
+    grower: Loader<Grown>,
+    writer: Loader<PathBuf>,
+    watch: Watch,
+    watched: Watched,
+    selected: String,
+    dock: Tree<Pane>,
+    message: Option<(String, f64)>,
+    fault: Option<String>,
+    pub(super) question: Option<Question>,
+    closing: bool,
+    title: String,
+}
+
+/// A tree and the text that it grew from.
+#[derive(Debug)]
+struct Grown {
+    subject: Subject,
+    text: String,
+}
+
+impl std::fmt::Debug for Studio {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Studio")
+            .field("path", &self.document.path())
+            .field("selected", &self.selected)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Studio {
+    /// The window's state; its tree begins to grow. `wake` is called from other threads when there is something
+    /// to be shown.
+    ///
+    /// # Errors
+    /// [`StartError`].
+    pub fn new(
+        state: &RenderState,
+        begin: Begin,
+        wake: impl Fn() + Clone + Send + Sync + 'static,
+    ) -> Result<Self, StartError> {
+        let watched = Watched::default();
+        let watch = Watch::start(watched.clone(), begin.stop, wake.clone())?;
+        let settings = Settings {
+            panel: false,
+            ..Settings::default()
+        };
+        let mut studio = Self {
+            document: begin.document,
+            journal: None,
+            notes: begin.notes,
+            out: begin.out,
+            stop: begin.stop,
+            view: Viewport::new(state)?,
+            settings,
+            grown: None,
+            grower: Loader::start("grow", wake.clone())?,
+            writer: Loader::start("write", wake)?,
+            watch,
+            watched,
+            selected: String::new(),
+            dock: dock(),
+            message: None,
+            fault: None,
+            question: (!begin.left.is_empty()).then_some(Question::Recover(begin.left)),
+            closing: false,
+            title: String::new(),
+        };
+        studio.renew();
+        Ok(studio)
+    }
+
+    /// The document.
+    #[must_use]
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// The tree, if it is the one that the text says: growing is over and nothing is at fault.
+    #[must_use]
+    pub fn subject(&self) -> Option<&Subject> {
+        let grown = self.grown.as_deref()?;
+        (grown.text == self.document.text()).then_some(&grown.subject)
+    }
+
+    /// What is being said.
+    #[must_use]
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_ref().map(|(text, _)| text.as_str())
+    }
+
+    /// Keeps what is unsaved, and grows the tree again: the text has changed.
+    pub(super) fn renew(&mut self) {
+        self.keep();
+        self.grow();
+    }
+
+    fn keep(&mut self) {
+        let note = self.document.note();
+        if self.journal.is_none() && note.is_some() {
+            let folder = self.notes.as_deref();
+            self.journal = folder.and_then(|folder| Journal::open(folder).ok());
+        }
+        if let Some(journal) = &mut self.journal
+            && let Err(error) = journal.keep(note.as_ref())
+        {
+            let text = format!("what is unsaved cannot be kept over a crash: {error}");
+            self.message = Some((text, f64::MAX));
+        }
+    }
+
+    fn grow(&mut self) {
+        if self.document.reading().species.is_err() {
+            return;
+        }
+        let (text, folder) = (self.document.text().to_owned(), self.document.folder());
+        let path = self.document.path().map(Path::to_owned);
+        let watched = self.watched.clone();
+        self.grower.ask(Box::new(move |progress| {
+            watched.clear();
+            let name = path.as_ref().map_or_else(
+                || "script".to_owned(),
+                |path| {
+                    watched.note(path);
+                    path.display().to_string()
+                },
+            );
+            let settings = pipeline::Settings::default();
+            let script = (name.as_str(), text.as_str());
+            let subject = Subject::grown(script, &folder, &settings, &watched, progress)?;
+            Ok(Grown { subject, text })
+        }));
+    }
+
+    fn say(&mut self, ui: &Ui, text: impl Into<String>) {
+        self.message = Some((text.into(), ui.input(|i| i.time) + MESSAGE));
+    }
+
+    /// Takes in what the threads have done.
+    fn listen(&mut self, ui: &Ui) {
+        if self.watch.take() {
+            match self.document.look() {
+                Ok(Outside::Same) => self.grow(),
+                Ok(Outside::Taken) => {
+                    self.say(ui, "the file was changed outside and is read again");
+                    self.renew();
+                }
+                Ok(Outside::Merged) => {
+                    self.say(ui, "the file was changed outside; both changes are kept");
+                    self.renew();
+                }
+                Ok(Outside::Conflict(theirs)) => self.question = Some(Question::Conflict(theirs)),
+                Err(error) => self.say(ui, format!("the file cannot be read any more: {error}")),
+            }
+        }
+        if self.grower.poll().good
+            && let Some(grown) = self.grower.good().cloned()
+        {
+            match self.view.show(&grown.subject) {
+                Ok(()) => {
+                    self.grown = Some(grown);
+                    self.fault = None;
+                }
+                Err(error) => self.fail(&error.into()),
+            }
+        }
+        let written = self.writer.poll();
+        if written.good
+            && let Some(folder) = self.writer.good().cloned()
+        {
+            self.say(ui, format!("{} is written", folder.display()));
+        } else if written.changed
+            && let Some(fault) = self.writer.fault().map(str::to_owned)
+        {
+            self.say(ui, fault);
+        }
+    }
+
+    fn fail(&mut self, error: &ForestError) {
+        if matches!(error, ForestError::Gpu(GpuError::Lost(_))) {
+            // The text is safe in the journal, and the next window offers it.
+            self.closing = true;
+        }
+        self.fault = Some(error.to_string());
+    }
+
+    /// Puts another document in the place of this one.
+    pub(super) fn replace(&mut self, document: Document) {
+        self.document = document;
+        self.selected = String::new();
+        self.renew();
+    }
+
+    pub(super) fn go_on(&mut self, ui: &Ui, next: Next) {
+        match next {
+            Next::Close => {
+                self.closing = true;
+                if let Some(journal) = &mut self.journal {
+                    let _ = journal.keep(None);
+                }
+                ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            Next::New(text) => self.replace(Document::new(text)),
+            Next::Open(path) => match Document::open(&path) {
+                Ok(document) => self.replace(document),
+                Err(error) => self.say(ui, format!("cannot read {}: {error}", path.display())),
+            },
+        }
+    }
+
+    pub(super) fn obey(&mut self, ui: &Ui, order: Order) {
+        match order {
+            Order::Ask(next) if self.document.is_unsaved() && self.has_work() => {
+                self.question = Some(Question::Unsaved(next));
+            }
+            Order::Ask(next) => self.go_on(ui, next),
+            Order::Save => self.save(ui, None, None),
+            Order::SaveAs => self.ask_where(None),
+            Order::Open => {
+                let folder = self.document.folder().display().to_string();
+                self.question = Some(Question::Open(folder));
+            }
+            Order::Export => {
+                self.question = Some(Question::Export(self.out.display().to_string()));
+            }
+            Order::Undo => {
+                if self.document.undo() {
+                    self.renew();
+                }
+            }
+            Order::Redo => {
+                if self.document.redo() {
+                    self.renew();
+                }
+            }
+            Order::Select(path) => self.selected = path,
+            Order::Change(Change::Rest) => self.document.rest(),
+            Order::Change(Change::Edit(name, gesture, edit)) => {
+                match self.document.apply(&name, gesture.as_deref(), edit) {
+                    Ok(()) => self.renew(),
+                    Err(error) => self.say(ui, error.to_string()),
+                }
+            }
+        }
+    }
+
+    /// False for a new document to which nothing was done.
+    fn has_work(&self) -> bool {
+        self.document.path().is_some() || self.document.history().undoable().is_some()
+    }
+
+    pub(super) fn save(&mut self, ui: &Ui, to: Option<&Path>, next: Option<Next>) {
+        if to.is_none() && self.document.path().is_none() {
+            return self.ask_where(next);
+        }
+        match self.document.save(to) {
+            Ok(()) => {
+                let path = self.document.path().map(|p| p.display().to_string());
+                self.say(ui, format!("{} is saved", path.unwrap_or_default()));
+                self.renew();
+                if let Some(next) = next {
+                    self.go_on(ui, next);
+                }
+            }
+            Err(error) => self.say(ui, format!("cannot be saved: {error}")),
+        }
+    }
+
+    fn ask_where(&mut self, next: Option<Next>) {
+        let known = self.document.path().map(|p| p.display().to_string());
+        let slug = self
+            .document
+            .reading()
+            .species
+            .as_ref()
+            .map(|s| s.slug.clone());
+        let path = known.unwrap_or_else(|| {
+            let name = slug
+                .unwrap_or_else(|_| "species".to_owned())
+                .replace('-', "_");
+            format!("{name}.ron")
+        });
+        self.question = Some(Question::SaveAs(path, next));
+    }
+
+    pub(super) fn export(&mut self, ui: &Ui, out: PathBuf) {
+        let Some(grown) = self
+            .grown
+            .clone()
+            .filter(|g| g.text == self.document.text())
+        else {
+            return self.say(ui, "the tree is still growing, or the script is at fault");
+        };
+        self.out.clone_from(&out);
+        self.writer.ask(Box::new(move |progress| {
+            progress.begin("writing", 0);
+            let asset = grown.subject.asset().ok_or("there is no tree to write")?;
+            let name = pack::folder_name(&asset.slug, asset.seed);
+            let files = pack::build(asset, grown.text.as_bytes(), Options::default());
+            let files = files.map_err(|e| e.to_string())?;
+            pack::write(&out, &name, &files, Replace::OwnPacks).map_err(|e| e.to_string())
+        }));
+    }
+}
+
+impl Studio {
+    /// One frame of the window.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        self.listen(ui);
+        let mut orders = Vec::new();
+        if self.question.is_none() {
+            menu::pressed(ui, &mut orders);
+        }
+        egui::Panel::top("menu").show(ui, |ui| {
+            egui::MenuBar::new().ui(ui, |ui| self.menu(ui, &mut orders));
+        });
+        if let Some((text, until)) = self.message.clone() {
+            let left = until - ui.input(|i| i.time);
+            if left > 0.0 {
+                egui::Panel::bottom("message").show(ui, |ui| ui.label(text));
+                if until < f64::MAX {
+                    ui.ctx()
+                        .request_repaint_after(Duration::from_secs_f64(left.max(0.01)));
+                }
+            } else {
+                self.message = None;
+            }
+        }
+        self.panes(ui, &mut orders);
+        for order in orders {
+            self.obey(ui, order);
+        }
+        self.drops(ui);
+        self.asking(ui);
+        self.close(ui);
+        let title = self.titled();
+        if title != self.title {
+            ui.ctx()
+                .send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+        if let Err(error) = self.view.check() {
+            self.fail(&error.into());
+        }
+    }
+
+    fn titled(&self) -> String {
+        let name = match self.document.path() {
+            Some(path) => path.file_name().map(|n| n.to_string_lossy().into_owned()),
+            None => Some("new species".to_owned()),
+        };
+        let star = if self.document.is_unsaved() { "*" } else { "" };
+        format!("{}{star} - Pleach studio", name.unwrap_or_default())
+    }
+
+    fn panes(&mut self, ui: &mut Ui, orders: &mut Vec<Order>) {
+        let reading = self.document.reading();
+        let pages = reading
+            .root
+            .as_ref()
+            .map(outline::pages)
+            .unwrap_or_default();
+        let faults: Vec<Fault> = match &reading.species {
+            Ok(_) => Vec::new(),
+            Err(faults) => faults.list().to_vec(),
+        };
+        let grown = self.grown.clone();
+        if let Some(fault) = self.fault.as_deref().or(self.grower.fault()) {
+            let fault = fault.to_owned();
+            egui::Panel::bottom("fault").show(ui, |ui| {
+                let colour = ui.visuals().error_fg_color;
+                ui.label(RichText::new(fault).color(colour));
+            });
+        }
+        let mut panes = Panes {
+            document: &self.document,
+            pages: &pages,
+            stale: !faults.is_empty(),
+            faults: &faults,
+            selected: &self.selected,
+            settings: &mut self.settings,
+            view: &mut self.view,
+            subject: grown.as_deref().map(|g| &g.subject),
+            busy: self.grower.stage().or_else(|| self.writer.stage()),
+            fault: None,
+            frame: false,
+            orders: Vec::new(),
+        };
+        let dock = &mut self.dock;
+        egui::CentralPanel::default()
+            .frame(egui::Frame::NONE)
+            .show(ui, |ui| dock.ui(&mut panes, ui));
+        let Panes {
+            orders: asked,
+            fault,
+            frame,
+            ..
+        } = panes;
+        orders.extend(asked);
+        if let Some(error) = fault {
+            self.fail(&error);
+        }
+        if frame && let Some(grown) = &grown {
+            self.view.frame(&grown.subject, &self.settings);
+        }
+    }
+
+    /// Files that are dropped on the window.
+    fn drops(&mut self, ui: &Ui) {
+        let dropped = ui.input(|i| i.raw.dropped_files.clone());
+        let script = dropped.iter().map(|f| f.path().to_owned()).find(|path| {
+            let ending = path.extension().unwrap_or_default();
+            ending.eq_ignore_ascii_case("ron")
+        });
+        if let Some(path) = script {
+            self.obey(ui, Order::Ask(Next::Open(path)));
+        }
+    }
+
+    /// Asks before the window closes on something unsaved.
+    fn close(&mut self, ui: &Ui) {
+        if (self.stop)() {
+            self.closing = true;
+            return ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        let wanted = ui.input(|i| i.viewport().close_requested());
+        if wanted && !self.closing && self.document.is_unsaved() && self.has_work() {
+            ui.ctx()
+                .send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.question = Some(Question::Unsaved(Next::Close));
+        }
+    }
+}
+
+impl eframe::App for Studio {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        Self::ui(self, ui);
+    }
+}

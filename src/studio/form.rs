@@ -1,0 +1,661 @@
+//! A page: the fields of a struct as rows, made from its table, each with its unit, range and meaning.
+
+use super::curve::{self, Curve};
+use super::document::Edit;
+use super::outline;
+use crate::species::fault::Fault;
+use crate::species::fields::{self, Absent, Field, Holds, Limits, Table};
+use crate::species::syntax::{self, Kind, Node};
+use eframe::egui::{self, Color32, RichText, Ui};
+
+/// Something that the user has done on a page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// An edit with its name, and the gesture that it is a part of.
+    Edit(String, Option<String>, Edit),
+    /// The end of a gesture.
+    Rest,
+}
+
+/// What a page is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Sheet<'a> {
+    /// The script's text.
+    pub source: &'a str,
+    /// What is at fault in it.
+    pub faults: &'a [Fault],
+    /// True for the trunk's page: its place on a parent means nothing.
+    pub is_trunk: bool,
+}
+
+/// Fields of the whole script that have pages of their own, or that nobody should change.
+const ELSEWHERE: [&str; 6] = [
+    "format",
+    "bark",
+    "splines",
+    "leaves",
+    "levels",
+    "variations",
+];
+
+/// Shows the fields of `node`, which stands at `path` and has those of `table`.
+pub fn page(
+    ui: &mut Ui,
+    sheet: Sheet<'_>,
+    (node, table): (&Node, &'static Table),
+    path: &str,
+    changes: &mut Vec<Change>,
+) {
+    for field in table.fields() {
+        let elsewhere = table.name == "Species" && ELSEWHERE.contains(&field.name);
+        let placeless = sheet.is_trunk && fields::NOT_FOR_TRUNK.contains(&field.name);
+        if elsewhere || placeless {
+            continue;
+        }
+        let at = if path.is_empty() {
+            field.name.to_owned()
+        } else {
+            format!("{path}.{}", field.name)
+        };
+        let value = outline::field(node, field.name);
+        let mut row = Row {
+            sheet,
+            field,
+            path: &at,
+            value,
+            changes,
+        };
+        row.ui(ui);
+        for fault in sheet.faults.iter().filter(|f| belongs(f, &at)) {
+            let colour = ui.visuals().error_fg_color;
+            ui.label(RichText::new(&fault.message).small().color(colour));
+        }
+    }
+}
+
+/// True if a fault is told at a field of our path: items are `[1]` there and `.1` here.
+fn belongs(fault: &Fault, path: &str) -> bool {
+    let theirs = fault.path.replace('[', ".").replace(']', "");
+    theirs == path
+        || theirs
+            .strip_prefix(path)
+            .is_some_and(|rest| rest.starts_with('.'))
+}
+
+/// A field's name as it is read: `radius_of_parent` is "radius of parent".
+#[must_use]
+pub fn readable(name: &str) -> String {
+    let name = name.strip_suffix("_m").unwrap_or(name);
+    name.strip_suffix("_deg").unwrap_or(name).replace('_', " ")
+}
+
+/// What hovering a field tells.
+#[must_use]
+pub fn meaning(field: &Field) -> String {
+    let range = |l: Limits| {
+        let unit = if l.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {}", l.unit)
+        };
+        format!("{} to {}{unit}", l.min, l.max)
+    };
+    let range = match field.holds {
+        Holds::Number(l) => range(l),
+        Holds::Angle(l) => format!("{}, by position, link and chance", range(l)),
+        Holds::Factor(l) => format!("{}, by position and chance", range(l)),
+        Holds::Curve(l) => format!("{}, by position", range(l)),
+        Holds::Whole(low, u64::MAX) => format!("a whole number from {low}"),
+        Holds::Whole(low, high) => format!("a whole number, {low} to {high}"),
+        Holds::OneOf(names) => names.join(", "),
+        Holds::Text => "text".to_owned(),
+        Holds::Colour => "a colour".to_owned(),
+        Holds::Path => "a file beside the script".to_owned(),
+        Holds::Other(words) => words.to_owned(),
+    };
+    let absent = match field.absent {
+        Absent::Means(value) => format!("\nLeft out: {value}"),
+        Absent::Fault | Absent::Special => String::new(),
+    };
+    format!(
+        "{}\n{range}{absent}\nIn the script: {}",
+        field.doc, field.name
+    )
+}
+
+struct Row<'a, 'c> {
+    sheet: Sheet<'a>,
+    field: &'static Field,
+    path: &'a str,
+    value: Option<&'a Node>,
+    changes: &'c mut Vec<Change>,
+}
+
+/// Width of names.
+const NAMES: f32 = 118.0;
+
+impl Row<'_, '_> {
+    fn ui(&mut self, ui: &mut Ui) {
+        if let Holds::Other(_) = self.field.holds
+            && let Some(value) = self.value
+            && let Some(table) = outline::table_of(self.field.name, value)
+        {
+            return self.nested(ui, value, table);
+        }
+        ui.horizontal(|ui| {
+            let mut name = RichText::new(readable(self.field.name));
+            if self.value.is_none() {
+                name = name.weak();
+            }
+            let size = egui::vec2(NAMES, ui.spacing().interact_size.y);
+            let left = egui::Layout::left_to_right(egui::Align::Center);
+            let label = ui
+                .allocate_ui_with_layout(size, left, |ui| {
+                    ui.set_min_width(NAMES);
+                    ui.label(name).on_hover_text(meaning(self.field))
+                })
+                .inner;
+            self.widget(ui, label.id);
+            if self.value.is_some() && self.field.absent != Absent::Fault {
+                let what = format!("Leave out {}", readable(self.field.name));
+                let button = ui.add(egui::Button::new("×").small().frame(false));
+                let button = button.on_hover_text(&what);
+                button.widget_info(|| {
+                    egui::WidgetInfo::labeled(egui::Role::Button, true, what.clone())
+                });
+                if button.clicked() {
+                    self.edit(what, None, Edit::Remove(self.path.to_owned()));
+                }
+            }
+        });
+    }
+
+    /// A struct within the struct.
+    fn nested(&mut self, ui: &mut Ui, value: &Node, table: &'static Table) {
+        let title = match outline::variant(value) {
+            Some(variant) => format!("{}: {variant}", readable(self.field.name)),
+            None => readable(self.field.name),
+        };
+        let (sheet, path) = (self.sheet, self.path.to_owned());
+        egui::CollapsingHeader::new(title)
+            .id_salt(&path)
+            .show(ui, |ui| {
+                ui.label(RichText::new(self.field.doc).small().weak());
+                let sheet = Sheet {
+                    is_trunk: false,
+                    ..sheet
+                };
+                page(ui, sheet, (value, table), &path, self.changes);
+                if self.field.absent != Absent::Fault && ui.small_button("Leave out").clicked() {
+                    let name = format!("Leave out {}", readable(self.field.name));
+                    self.edit(name, None, Edit::Remove(path.clone()));
+                }
+            });
+    }
+
+    fn widget(&mut self, ui: &mut Ui, label: egui::Id) {
+        match self.field.holds {
+            Holds::Number(limits) => self.number(ui, label, limits),
+            Holds::Whole(low, high) => self.whole(ui, label, (low, high)),
+            Holds::Angle(limits) => self.parts(ui, label, limits, true),
+            Holds::Factor(limits) => self.parts(ui, label, limits, false),
+            Holds::Curve(limits) => self.curve(ui, label, limits),
+            Holds::Text | Holds::Path => self.text(ui, label),
+            Holds::Colour => self.colour(ui, label),
+            Holds::OneOf(names) => self.choice(ui, label, names),
+            Holds::Other(_) => self.raw(ui, label),
+        }
+    }
+
+    fn edit(&mut self, name: String, gesture: Option<String>, edit: Edit) {
+        self.changes.push(Change::Edit(name, gesture, edit));
+    }
+
+    fn set(&mut self, value: String) {
+        let path = self.path.to_owned();
+        let name = format!("Set {}", readable(self.field.name));
+        self.edit(name, Some(path.clone()), Edit::Set { path, value });
+    }
+
+    /// Ends a gesture when a widget is let go of.
+    fn rest(&mut self, response: &egui::Response) {
+        if response.drag_stopped() || response.lost_focus() {
+            self.changes.push(Change::Rest);
+        }
+    }
+
+    /// The value as it stands, or as it is meant where it is left out.
+    fn shown(&self) -> Option<Node> {
+        match (self.value, self.field.absent) {
+            (Some(value), _) => Some(value.clone()),
+            (None, Absent::Means(text)) => syntax::parse(text).0,
+            (None, _) => None,
+        }
+    }
+
+    fn number(&mut self, ui: &mut Ui, label: egui::Id, limits: Limits) {
+        let Some(mut value) = self.shown().as_ref().and_then(number_of) else {
+            return self.absent_number(ui, limits);
+        };
+        let response = drag(ui, &mut value, limits).labelled_by(label);
+        if response.changed() {
+            self.set(curve::number(value));
+        }
+        self.rest(&response);
+    }
+
+    /// A number that has no value of its own while it is left out.
+    fn absent_number(&mut self, ui: &mut Ui, limits: Limits) {
+        if self.value.is_some() {
+            return self.raw_value(ui, None);
+        }
+        let what = format!("Set {}", readable(self.field.name));
+        let button = ui.small_button("set");
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, what.clone()));
+        if button.clicked() {
+            let usual = 1.0_f64.clamp(f64::from(limits.min), f64::from(limits.max));
+            self.set(curve::number(usual));
+            self.changes.push(Change::Rest);
+        }
+    }
+
+    fn whole(&mut self, ui: &mut Ui, label: egui::Id, (low, high): (u64, u64)) {
+        let shown = self.shown();
+        let Some(mut value) = shown.as_ref().and_then(whole_of) else {
+            if self.value.is_some() {
+                return self.raw_value(ui, Some(label));
+            }
+            if ui.small_button("set").clicked() {
+                self.set(low.max(1).min(high).to_string());
+                self.changes.push(Change::Rest);
+            }
+            return;
+        };
+        let response = ui
+            .add(
+                egui::DragValue::new(&mut value)
+                    .range(low..=high)
+                    .speed(0.1),
+            )
+            .labelled_by(label);
+        if response.changed() {
+            self.set(value.to_string());
+        }
+        self.rest(&response);
+        if self.field.name == "seed" {
+            let dice = ui.small_button("roll").on_hover_text("Another seed");
+            dice.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, "Another seed")
+            });
+            if dice.clicked() {
+                self.set(another(value).to_string());
+                self.changes.push(Change::Rest);
+            }
+        }
+    }
+
+    fn curve(&mut self, ui: &mut Ui, label: egui::Id, limits: Limits) {
+        let Some(mut curve) = self.shown().as_ref().and_then(Curve::of) else {
+            return self.raw_value(ui, Some(label));
+        };
+        let (changed, response) = curve::ui(ui, &readable(self.field.name), &mut curve, limits);
+        if changed {
+            self.set(curve.text());
+        }
+        self.rest(&response);
+    }
+
+    /// An angle or a factor: a number, a curve, or both with a step and chance.
+    fn parts(&mut self, ui: &mut Ui, label: egui::Id, limits: Limits, is_angle: bool) {
+        let Some(mut parts) = self.shown().as_ref().and_then(Parts::of) else {
+            return self.raw_value(ui, Some(label));
+        };
+        let before = parts.clone();
+        let name = readable(self.field.name);
+        ui.vertical(|ui| {
+            ui.horizontal(|ui| {
+                if let Curve::Flat(value) = &mut parts.at {
+                    let response = drag(ui, value, limits).labelled_by(label);
+                    self.rest(&response);
+                }
+                let mut varies = matches!(parts.at, Curve::Points(_));
+                let toggle = ui.toggle_value(&mut varies, "curve");
+                let toggle = toggle.on_hover_text("By position on the parent");
+                if toggle.clicked() {
+                    parts.at = match &parts.at {
+                        Curve::Flat(value) => Curve::Points(vec![[0.0, *value], [1.0, *value]]),
+                        Curve::Points(points) => Curve::Flat(points[0][1]),
+                    };
+                }
+            });
+            if let Curve::Points(_) = &parts.at {
+                let (_, response) = curve::ui(ui, &name, &mut parts.at, limits);
+                self.rest(&response);
+            }
+            ui.horizontal(|ui| {
+                if is_angle {
+                    self.part(ui, "step", &mut parts.step, limits);
+                }
+                let vary = if is_angle {
+                    fields::ANGLE.field("vary")
+                } else {
+                    fields::FACTOR_PARTS.field("vary")
+                };
+                if let Some(Field {
+                    holds: Holds::Number(limits),
+                    ..
+                }) = vary
+                {
+                    self.part(ui, "vary", &mut parts.vary, *limits);
+                }
+            });
+        });
+        if parts != before {
+            self.set(parts.text());
+        }
+    }
+
+    fn part(&mut self, ui: &mut Ui, what: &str, value: &mut Option<f64>, limits: Limits) {
+        let label = ui.label(RichText::new(what).weak());
+        let mut number = value.unwrap_or(0.0);
+        let widget = egui::DragValue::new(&mut number)
+            .range(limits.min..=limits.max)
+            .speed(f64::from(limits.max - limits.min).min(100.0) / 300.0)
+            .max_decimals(3);
+        let response = ui.add(widget).labelled_by(label.id);
+        let response = response.on_hover_text(match what {
+            "step" => "Added once more for each link",
+            _ => "Random part, either way",
+        });
+        if response.changed() {
+            *value = Some(number);
+        }
+        self.rest(&response);
+    }
+
+    fn text(&mut self, ui: &mut Ui, label: egui::Id) {
+        let shown = self.shown();
+        let mut text = shown
+            .as_ref()
+            .and_then(outline::text)
+            .unwrap_or("")
+            .to_owned();
+        let edit = egui::TextEdit::singleline(&mut text).desired_width(150.0);
+        let response = ui.add(edit).labelled_by(label);
+        if response.changed() {
+            self.set(quoted(&text));
+        }
+        self.rest(&response);
+    }
+
+    fn colour(&mut self, ui: &mut Ui, label: egui::Id) {
+        let shown = self.shown();
+        let Some(mut rgb) = shown.as_ref().and_then(outline::text).and_then(rgb_of) else {
+            return self.raw_value(ui, Some(label));
+        };
+        let response = ui.color_edit_button_srgb(&mut rgb).labelled_by(label);
+        if response.changed() {
+            let [r, g, b] = rgb;
+            self.set(format!("\"#{r:02x}{g:02x}{b:02x}\""));
+        }
+        let [r, g, b] = rgb;
+        ui.label(
+            RichText::new(format!("#{r:02x}{g:02x}{b:02x}"))
+                .monospace()
+                .weak(),
+        );
+    }
+
+    fn choice(&mut self, ui: &mut Ui, label: egui::Id, names: &'static [&'static str]) {
+        let shown = self.shown();
+        let chosen = shown
+            .as_ref()
+            .and_then(outline::variant)
+            .unwrap_or("")
+            .to_owned();
+        let mut picked = None;
+        let combo = egui::ComboBox::from_id_salt(self.path)
+            .selected_text(&chosen)
+            .show_ui(ui, |ui| {
+                for name in names {
+                    if ui.selectable_label(*name == chosen, *name).clicked() {
+                        picked = Some(*name);
+                    }
+                }
+            });
+        combo.response.labelled_by(label);
+        if let Some(name) = picked.filter(|name| *name != chosen) {
+            self.set(name.to_owned());
+            self.changes.push(Change::Rest);
+        }
+    }
+
+    /// What has no widget of its own: in the script's words; or a button that begins it.
+    fn raw(&mut self, ui: &mut Ui, label: egui::Id) {
+        let name = readable(self.field.name);
+        match (self.value, outline::beginning(self.field.name)) {
+            (None, Some(beginning)) => {
+                let button = ui.small_button("add");
+                let what = format!("Add {name}");
+                button.widget_info(|| {
+                    egui::WidgetInfo::labeled(egui::Role::Button, true, what.clone())
+                });
+                if button.clicked() {
+                    let path = self.path.to_owned();
+                    let value = beginning.to_owned();
+                    self.edit(what, None, Edit::Set { path, value });
+                }
+            }
+            _ => self.raw_value(ui, Some(label)),
+        }
+    }
+
+    /// A value in the script's own words, taken once it can be read.
+    fn raw_value(&mut self, ui: &mut Ui, label: Option<egui::Id>) {
+        let source = self.sheet.source;
+        let now = match (self.value, self.field.absent) {
+            (Some(value), _) => source.get(value.span.clone()).unwrap_or("").to_owned(),
+            (None, Absent::Means(text)) => text.to_owned(),
+            (None, _) => String::new(),
+        };
+        let id = ui.scope_id().with(("words", self.path));
+        let mut words = ui
+            .data(|data| data.get_temp::<String>(id))
+            .unwrap_or_else(|| now.clone());
+        let readable = syntax::parse(&words);
+        let sound = words.is_empty() || (readable.0.is_some() && readable.1.is_empty());
+        let mut edit = egui::TextEdit::singleline(&mut words)
+            .id(id)
+            .font(egui::TextStyle::Monospace)
+            .desired_width(ui.available_width().clamp(60.0, 220.0));
+        if !sound {
+            edit = edit.text_color(Color32::LIGHT_RED);
+        }
+        let mut response = ui.add(edit);
+        if let Some(label) = label {
+            response = response.labelled_by(label);
+        }
+        if response.changed() {
+            ui.data_mut(|data| data.insert_temp(id, words.clone()));
+        }
+        if response.lost_focus() {
+            ui.data_mut(|data| data.remove::<String>(id));
+            if sound && words != now && !words.is_empty() {
+                self.set(words);
+                self.changes.push(Change::Rest);
+            }
+        }
+    }
+}
+
+/// An angle or factor as scripts have it.
+#[derive(Clone, Debug, PartialEq)]
+struct Parts {
+    at: Curve,
+    step: Option<f64>,
+    vary: Option<f64>,
+}
+
+impl Parts {
+    fn of(node: &Node) -> Option<Self> {
+        if let Some(at) = Curve::of(node) {
+            return Some(Self {
+                at,
+                step: None,
+                vary: None,
+            });
+        }
+        let Kind::Struct { fields, .. } = &node.kind else {
+            return None;
+        };
+        let mut parts = Self {
+            at: Curve::Flat(0.0),
+            step: None,
+            vary: None,
+        };
+        if !fields.iter().any(|f| f.key == "at") {
+            // A factor without a value is 1, an angle 0; the step tells an angle.
+            let is_angle = fields.iter().any(|f| f.key == "step");
+            parts.at = Curve::Flat(if is_angle { 0.0 } else { f64::NAN });
+        }
+        for entry in fields {
+            match entry.key.as_str() {
+                "at" => parts.at = Curve::of(&entry.value)?,
+                "step" => parts.step = Some(number_of(&entry.value)?),
+                "vary" => parts.vary = Some(number_of(&entry.value)?),
+                _ => return None,
+            }
+        }
+        if matches!(parts.at, Curve::Flat(value) if value.is_nan()) {
+            return None;
+        }
+        Some(parts)
+    }
+
+    fn text(&self) -> String {
+        if self.step.is_none() && self.vary.is_none() {
+            return self.at.text();
+        }
+        let mut fields = Vec::new();
+        if self.at != Curve::Flat(0.0) || self.step.is_none() {
+            fields.push(format!("at: {}", self.at.text()));
+        }
+        if let Some(step) = self.step {
+            fields.push(format!("step: {}", curve::number(step)));
+        }
+        if let Some(vary) = self.vary {
+            fields.push(format!("vary: {}", curve::number(vary)));
+        }
+        format!("({})", fields.join(", "))
+    }
+}
+
+/// A number: a slider where the range is short, else a field to drag or to type in.
+fn drag(ui: &mut Ui, value: &mut f64, limits: Limits) -> egui::Response {
+    let range = f64::from(limits.min)..=f64::from(limits.max);
+    let unit = match limits.unit {
+        "" => String::new(),
+        "metres" => " m".to_owned(),
+        "degrees" => "°".to_owned(),
+        other if other.len() < 8 => format!(" {other}"),
+        _ => String::new(),
+    };
+    if limits.max - limits.min <= 4.0 {
+        ui.spacing_mut().slider_width = 90.0;
+        return ui.add(egui::Slider::new(value, range).suffix(unit).max_decimals(4));
+    }
+    let speed = (value.abs() * 0.01).clamp(0.0005, 2.0);
+    ui.add(
+        egui::DragValue::new(value)
+            .range(range)
+            .speed(speed)
+            .max_decimals(4)
+            .suffix(unit),
+    )
+}
+
+fn number_of(node: &Node) -> Option<f64> {
+    match &node.kind {
+        Kind::Number(number) => number.parse().ok(),
+        _ => None,
+    }
+}
+
+fn whole_of(node: &Node) -> Option<u64> {
+    match &node.kind {
+        Kind::Number(number) => number.parse().ok(),
+        _ => None,
+    }
+}
+
+/// Text as a script writes it.
+#[must_use]
+pub fn quoted(text: &str) -> String {
+    let escaped = text.replace('\\', "\\\\").replace('"', "\\\"");
+    format!("\"{escaped}\"")
+}
+
+fn rgb_of(text: &str) -> Option<[u8; 3]> {
+    let digits = text
+        .strip_prefix('#')
+        .filter(|d| d.len() == 6 && d.is_ascii())?;
+    let part = |at: usize| u8::from_str_radix(&digits[at..at + 2], 16).ok();
+    Some([part(0)?, part(2)?, part(4)?])
+}
+
+/// A seed that is not this one.
+fn another(seed: u64) -> u64 {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let nanos = now.map_or(0, |d| u64::from(d.subsec_nanos()));
+    let new = (nanos / 128).wrapping_mul(0x9e37_79b9) % 10_000;
+    if new == seed { new + 1 } else { new }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_and_factors_are_read_and_written_as_scripts_have_them() {
+        for text in [
+            "20",
+            "[(0, 1), (1, 0.5)]",
+            "(step: 137.5, vary: 20)",
+            "(at: [(0, 60), (1, 20)], vary: 10)",
+            "(at: 45, step: 90)",
+        ] {
+            let parts = Parts::of(&syntax::parse(text).0.unwrap()).unwrap();
+            assert_eq!(parts.text(), text);
+        }
+        // What has no widget is left to the script's words.
+        for text in ["(vary: 0.2)", "(at: \"x\")", "(around: 3)", "true"] {
+            assert_eq!(Parts::of(&syntax::parse(text).0.unwrap()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_are_readable_and_every_meaning_has_its_range() {
+        assert_eq!(readable("radius_of_parent"), "radius of parent");
+        assert_eq!(readable("length_m"), "length");
+        let told = meaning(fields::BRANCH.field("taper").unwrap());
+        assert!(
+            told.contains("0 to 10, by position") && told.contains("Left out: [(0, 1)"),
+            "{told}"
+        );
+        for field in fields::TABLES.iter().flat_map(|t| t.fields()) {
+            assert!(meaning(field).lines().count() >= 3, "{}", field.name);
+        }
+    }
+
+    #[test]
+    fn text_and_colours_survive_the_way_into_a_script() {
+        let text = "a \"b\" \\ c";
+        let node = syntax::parse(&quoted(text)).0.unwrap();
+        assert_eq!(outline::text(&node), Some(text));
+        assert_eq!(rgb_of("#0a1Bff"), Some([10, 27, 255]));
+        assert_eq!(
+            (rgb_of("#12345"), rgb_of("#12345é"), rgb_of("red")),
+            (None, None, None)
+        );
+    }
+}

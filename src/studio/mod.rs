@@ -1,0 +1,24 @@
+//! The studio: a window in which a species is made.
+//!
+//! The script's text is the truth ([`document`]): each panel reads it and changes it by an [`document::Edit`], so
+//! that the text, the panels and the tree cannot disagree, comments survive, and undo covers everything
+//! ([`history`]). [`recovery`] keeps what is unsaved over a kill. Pages are made from the tables of
+//! [`crate::species::fields`] ([`outline`], [`form`]): a field that the language gets is in the studio at once.
+
+pub mod adding;
+mod app;
+mod curve;
+pub mod document;
+pub mod form;
+pub mod history;
+mod menu;
+pub mod outline;
+mod panes;
+mod questions;
+pub mod recovery;
+mod script;
+pub mod templates;
+mod window;
+
+pub use app::{Begin, Studio};
+pub use window::run;
