@@ -1,12 +1,13 @@
 //! The plate of a species: the tree and its silhouette, a leaf card and the bark from near, and below them the
 //! chain of LODs.
 
-use crate::asset::{Surface, TreeAsset};
+use crate::asset::TreeAsset;
 use crate::image::atlas::Rect;
 use crate::image::cutouts::Cutouts;
 use crate::image::{Image, Texel};
 use crate::math::{Vec3, float, floor_to_u32, round_to_u32, srgb_from_linear};
 use crate::measure::silhouette::Silhouette;
+use crate::mesh::WHITE;
 use crate::preview::{self, Settings};
 use crate::species::schema::Species;
 
@@ -50,7 +51,7 @@ pub fn plate(species: &Species, tree: &TreeAsset) -> Paint {
     put(&mut plate, [TREE[0], 0], &silhouette(tree));
     let column = TREE[0] + SHADE[0];
     put(&mut plate, [column, 0], &leaf(species, tree));
-    put(&mut plate, [column, NEAR[1]], &bark(&tree.bark));
+    put(&mut plate, [column, NEAR[1]], &bark(tree));
     let lods = tree.lods.len().saturating_sub(1).max(1);
     let count = u32::try_from(lods).unwrap_or(1);
     for index in 0..count {
@@ -119,9 +120,16 @@ fn leaf(species: &Species, tree: &TreeAsset) -> Paint {
     })
 }
 
-/// Bark at a texel a pixel, or more where it has few.
-fn bark(surface: &Surface) -> Paint {
-    let texels = surface.texels();
+/// Bark at a texel a pixel, or more where it has few, as it is at the trunk's foot.
+fn bark(tree: &TreeAsset) -> Paint {
+    let mut texels = tree.bark.texels();
+    let foot = tree.lods[0].mesh.bark.vertices.first();
+    let tint = foot.map_or(WHITE, |vertex| vertex.tint);
+    for texel in texels.texels_mut() {
+        for (part, tint) in texel.albedo.iter_mut().zip(tint) {
+            *part *= f32::from(tint) / 255.0;
+        }
+    }
     let part = texels.width().min(texels.height()).min(2 * NEAR[0]);
     drawn(NEAR, |x, y| {
         let at = |pixel: u32, of: u32| (float(pixel) + 0.5) / float(of) * float(part);

@@ -3,6 +3,7 @@
 use super::curve::{self, Curve};
 use super::document::Edit;
 use super::outline;
+use super::parts::{Parts, number_of};
 use crate::species::fault::Fault;
 use crate::species::fields::{self, Absent, Field, Holds, Limits, Table};
 use crate::species::syntax::{self, Kind, Node};
@@ -38,6 +39,9 @@ const ELSEWHERE: [&str; 6] = [
     "variations",
 ];
 
+/// Those that have a page once they are there.
+const SOMETIMES: [&str; 2] = ["stems", "lod"];
+
 /// Shows the fields of `node`, which stands at `path` and has those of `table`.
 pub fn page(
     ui: &mut Ui,
@@ -47,7 +51,8 @@ pub fn page(
     changes: &mut Vec<Change>,
 ) {
     for field in table.fields() {
-        let elsewhere = table.name == "Species" && ELSEWHERE.contains(&field.name);
+        let is_page = SOMETIMES.contains(&field.name) && outline::field(node, field.name).is_some();
+        let elsewhere = table.name == "Species" && (is_page || ELSEWHERE.contains(&field.name));
         let placeless = sheet.is_trunk && fields::NOT_FOR_TRUNK.contains(&field.name);
         if elsewhere || placeless {
             continue;
@@ -488,68 +493,6 @@ impl Row<'_, '_> {
     }
 }
 
-/// An angle or factor as scripts have it.
-#[derive(Clone, Debug, PartialEq)]
-struct Parts {
-    at: Curve,
-    step: Option<f64>,
-    vary: Option<f64>,
-}
-
-impl Parts {
-    fn of(node: &Node) -> Option<Self> {
-        if let Some(at) = Curve::of(node) {
-            return Some(Self {
-                at,
-                step: None,
-                vary: None,
-            });
-        }
-        let Kind::Struct { fields, .. } = &node.kind else {
-            return None;
-        };
-        let mut parts = Self {
-            at: Curve::Flat(0.0),
-            step: None,
-            vary: None,
-        };
-        if !fields.iter().any(|f| f.key == "at") {
-            // A factor without a value is 1, an angle 0; the step tells an angle.
-            let is_angle = fields.iter().any(|f| f.key == "step");
-            parts.at = Curve::Flat(if is_angle { 0.0 } else { f64::NAN });
-        }
-        for entry in fields {
-            match entry.key.as_str() {
-                "at" => parts.at = Curve::of(&entry.value)?,
-                "step" => parts.step = Some(number_of(&entry.value)?),
-                "vary" => parts.vary = Some(number_of(&entry.value)?),
-                _ => return None,
-            }
-        }
-        if matches!(parts.at, Curve::Flat(value) if value.is_nan()) {
-            return None;
-        }
-        Some(parts)
-    }
-
-    fn text(&self) -> String {
-        if self.step.is_none() && self.vary.is_none() {
-            return self.at.text();
-        }
-        let mut fields = Vec::new();
-        if self.at != Curve::Flat(0.0) || self.step.is_none() {
-            fields.push(format!("at: {}", self.at.text()));
-        }
-        if let Some(step) = self.step {
-            fields.push(format!("step: {}", curve::number(step)));
-        }
-        if let Some(vary) = self.vary {
-            fields.push(format!("vary: {}", curve::number(vary)));
-        }
-        format!("({})", fields.join(", "))
-    }
-}
-
 /// A number: a slider where the range is short, else a field to drag or to type in.
 fn drag(ui: &mut Ui, value: &mut f64, limits: Limits) -> egui::Response {
     let range = f64::from(limits.min)..=f64::from(limits.max);
@@ -572,13 +515,6 @@ fn drag(ui: &mut Ui, value: &mut f64, limits: Limits) -> egui::Response {
             .max_decimals(4)
             .suffix(unit),
     )
-}
-
-fn number_of(node: &Node) -> Option<f64> {
-    match &node.kind {
-        Kind::Number(number) => number.parse().ok(),
-        _ => None,
-    }
 }
 
 fn whole_of(node: &Node) -> Option<u64> {
@@ -614,24 +550,6 @@ fn another(seed: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn angles_and_factors_are_read_and_written_as_scripts_have_them() {
-        for text in [
-            "20",
-            "[(0, 1), (1, 0.5)]",
-            "(step: 137.5, vary: 20)",
-            "(at: [(0, 60), (1, 20)], vary: 10)",
-            "(at: 45, step: 90)",
-        ] {
-            let parts = Parts::of(&syntax::parse(text).0.unwrap()).unwrap();
-            assert_eq!(parts.text(), text);
-        }
-        // What has no widget is left to the script's words.
-        for text in ["(vary: 0.2)", "(at: \"x\")", "(around: 3)", "true"] {
-            assert_eq!(Parts::of(&syntax::parse(text).0.unwrap()), None, "{text}");
-        }
-    }
 
     #[test]
     fn names_are_readable_and_every_meaning_has_its_range() {

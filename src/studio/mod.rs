@@ -14,6 +14,7 @@ pub mod history;
 mod menu;
 pub mod outline;
 mod panes;
+mod parts;
 mod questions;
 pub mod recovery;
 mod script;

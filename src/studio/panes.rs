@@ -113,7 +113,8 @@ impl Behavior<Pane> for Panes<'_> {
 }
 
 fn framed(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    egui::Frame::NONE.inner_margin(6.0).show(ui, |ui| {
+    let frame = egui::Frame::NONE.fill(ui.visuals().panel_fill);
+    frame.inner_margin(6.0).show(ui, |ui| {
         ui.set_min_size(ui.available_size());
         content(ui);
     });
@@ -164,7 +165,7 @@ impl Panes<'_> {
             ] {
                 if let Some(heading) = section.heading() {
                     ui.add_space(6.0);
-                    ui.horizontal(|ui| {
+                    ui.horizontal_wrapped(|ui| {
                         ui.label(RichText::new(heading).strong());
                         self.adding(ui, section);
                     });

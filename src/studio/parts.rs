@@ -1,0 +1,103 @@
+//! Angles and factors: by position on the parent, by link, and by chance.
+
+use super::curve::{self, Curve};
+use crate::species::syntax::{Kind, Node};
+
+/// An angle or factor as scripts have it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Parts {
+    /// By position on the parent.
+    pub(super) at: Curve,
+    /// Added once more for each link.
+    pub(super) step: Option<f64>,
+    /// Random part, either way.
+    pub(super) vary: Option<f64>,
+}
+
+impl Parts {
+    /// Reads what has widgets; `None` for what is better left in the script's words.
+    pub(super) fn of(node: &Node) -> Option<Self> {
+        if let Some(at) = Curve::of(node) {
+            return Some(Self {
+                at,
+                step: None,
+                vary: None,
+            });
+        }
+        let Kind::Struct { fields, .. } = &node.kind else {
+            return None;
+        };
+        let mut parts = Self {
+            at: Curve::Flat(0.0),
+            step: None,
+            vary: None,
+        };
+        if !fields.iter().any(|f| f.key == "at") {
+            // A factor without a value is 1, an angle 0; the step tells an angle.
+            let is_angle = fields.iter().any(|f| f.key == "step");
+            parts.at = Curve::Flat(if is_angle { 0.0 } else { f64::NAN });
+        }
+        for entry in fields {
+            match entry.key.as_str() {
+                "at" => parts.at = Curve::of(&entry.value)?,
+                "step" => parts.step = Some(number_of(&entry.value)?),
+                "vary" => parts.vary = Some(number_of(&entry.value)?),
+                _ => return None,
+            }
+        }
+        if matches!(parts.at, Curve::Flat(value) if value.is_nan()) {
+            return None;
+        }
+        Some(parts)
+    }
+
+    /// As a script writes it.
+    pub(super) fn text(&self) -> String {
+        if self.step.is_none() && self.vary.is_none() {
+            return self.at.text();
+        }
+        let mut fields = Vec::new();
+        if self.at != Curve::Flat(0.0) || self.step.is_none() {
+            fields.push(format!("at: {}", self.at.text()));
+        }
+        if let Some(step) = self.step {
+            fields.push(format!("step: {}", curve::number(step)));
+        }
+        if let Some(vary) = self.vary {
+            fields.push(format!("vary: {}", curve::number(vary)));
+        }
+        format!("({})", fields.join(", "))
+    }
+}
+
+/// A number's value.
+pub(super) fn number_of(node: &Node) -> Option<f64> {
+    match &node.kind {
+        Kind::Number(number) => number.parse().ok(),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::species::syntax;
+
+    #[test]
+    fn angles_and_factors_are_read_and_written_as_scripts_have_them() {
+        for text in [
+            "20",
+            "[(0, 1), (1, 0.5)]",
+            "(step: 137.5, vary: 20)",
+            "(at: [(0, 60), (1, 20)], vary: 10)",
+            "(at: 45, step: 90)",
+        ] {
+            let parts = Parts::of(&syntax::parse(text).0.unwrap()).unwrap();
+            assert_eq!(parts.text(), text);
+        }
+        // What has no widget is left to the script's words.
+        for text in ["(vary: 0.2)", "(at: \"x\")", "(around: 3)", "true"] {
+            assert_eq!(Parts::of(&syntax::parse(text).0.unwrap()), None, "{text}");
+        }
+    }
+}
