@@ -12,6 +12,7 @@ const SAVE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::S)
 const SAVE_AS: KeyboardShortcut =
     KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
 const OPEN: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::O);
+const QUIT: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Q);
 const EXPORT: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::E);
 
 /// What the keys that are pressed ask for; taken before the fields see them, which have an undo of their own.
@@ -24,6 +25,7 @@ pub(super) fn pressed(ui: &Ui, orders: &mut Vec<Order>) {
         (SAVE, Order::Save),
         (OPEN, Order::Open),
         (EXPORT, Order::Export),
+        (QUIT, Order::Ask(Next::Close)),
     ] {
         if ui.input_mut(|i| i.consume_shortcut(&shortcut)) {
             orders.push(order);
@@ -64,7 +66,7 @@ impl Studio {
                 orders.push(Order::Export);
             }
             ui.separator();
-            if ui.button("Quit").clicked() {
+            if entry(ui, "Quit", &QUIT) {
                 orders.push(Order::Ask(Next::Close));
             }
         });
