@@ -104,9 +104,9 @@ fn generate(bencher: Bencher) {
 
 /// The menu of the seed's tree, measured.
 fn forms(species: &Species, tree: &Tree) -> Forms {
-    let (sheet, places) = capture::leaf_sheet(&drawn(species)).expect("one kind fits");
-    let leaves = CrossQuads::none(tree, places);
-    let cutouts = Cutouts::of(&sheet);
+    let sheet = capture::leaf_sheet(&drawn(species)).expect("one kind fits");
+    let leaves = CrossQuads::none(tree, sheet.panes);
+    let cutouts = Cutouts::of(&sheet.image);
     let turns = capture::standing(tree);
     let budgets = &species.lod.budgets;
     let meant_for = (&turns[..], &budgets[..], 1024);

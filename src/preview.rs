@@ -5,6 +5,8 @@
 //!
 //! The curve of tones: Narkowicz, *ACES Filmic Tone Mapping Curve*, 2016.
 
+pub mod sheets;
+
 use crate::asset::Drawable;
 use crate::capture::{ALPHA_CUTOFF, Foliage, Occlusion, Seen, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};

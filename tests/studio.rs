@@ -34,6 +34,11 @@ fn main() -> ExitCode {
         ),
         ("leaving_something_unsaved_is_asked_about", unsaved),
         ("every_template_shows_all_its_pages", pages),
+        (
+            "a_sketch_follows_the_hand_and_the_whole_tree_comes_after",
+            sketches,
+        ),
+        ("the_atlas_and_the_shadows_are_shown_and_named", pictures),
     ])
 }
 
@@ -349,6 +354,48 @@ fn pages() -> Outcome {
         }
     }
     Ok(())
+}
+
+fn sketches() -> Outcome {
+    let (_, oak) = templates::ALL
+        .iter()
+        .find(|(name, _)| *name == "English oak")
+        .expect("an oak");
+    let mut window = on(oak);
+    until(&mut window, "the sketch", Studio::is_up_to_date)?;
+    // A full tree takes seconds: what is shown has come before it.
+    assert!(window.state().subject().is_none(), "it was no sketch");
+    click(&mut window, "limbs");
+    set(&mut window, "links", 9.0);
+    assert!(!window.state().is_up_to_date());
+    until(&mut window, "the next sketch", Studio::is_up_to_date)?;
+    assert!(window.state().subject().is_none(), "it was no sketch");
+    until(&mut window, "the whole tree", |s| s.subject().is_some())?;
+    let lods = window.state().subject().map_or(0, |s| s.lods.len());
+    assert!(lods > 2, "{lods} LODs");
+    Ok(())
+}
+
+fn pictures() -> Outcome {
+    let mut window = on(templates::BLANK);
+    until(&mut window, "the tree", |s| s.subject().is_some())?;
+    for (tab, shown) in [("Atlas", "Foliage atlas"), ("Shadows", "Nine shadows")] {
+        assert!(window.query_by_label(shown).is_none());
+        window.get_by_label(tab).click();
+        window.run_steps(4);
+        let place = window.get_by_label(shown).rect();
+        assert!(place.width() > 100.0, "{place:?}");
+        picture(&mut window, tab)?;
+    }
+    // The first part is the last level's sub-tree, or a branch's.
+    window.get_by_label("Atlas").click();
+    window.run_steps(4);
+    let corner = window.get_by_label("Foliage atlas").rect().min;
+    window.hover_at(corner + vec2(8.0, 8.0));
+    window.run_steps(4);
+    let named = window.query_all_by_label_contains("texels").count();
+    assert_eq!(named, 1);
+    picture(&mut window, "atlas_named")
 }
 
 /// Writes the window as a picture where `STUDIO_PICTURES` says, to be looked at.

@@ -378,12 +378,23 @@ impl Stage<'_> {
 /// Texels along an edge of the sheet of leaves.
 const LEAF_SHEET: u32 = 512;
 
-/// All leaf kinds on a small sheet of their own, with their places: enough to measure with before there is
-/// an atlas.
+/// All leaf kinds on a sheet of their own.
+#[derive(Clone, Debug)]
+pub struct LeafSheet {
+    /// The sheet.
+    pub image: Image<Texel>,
+    /// Part of it of each leaf kind.
+    pub rects: Vec<Rect>,
+    /// What is seen of each.
+    pub panes: Vec<Pane>,
+}
+
+/// All leaf kinds on a small sheet: enough to measure with before there is an atlas, and to draw a tree at full
+/// detail.
 ///
 /// # Errors
 /// If there are too many kinds.
-pub fn leaf_sheet(leaves: &dyn LeafArtwork) -> Result<(Image<Texel>, Vec<Pane>), BakeError> {
+pub fn leaf_sheet(leaves: &dyn LeafArtwork) -> Result<LeafSheet, BakeError> {
     let wanted: Vec<Wanted> = (0..leaves.kinds())
         .map(|kind| {
             let aspect = leaves.aspect(kind);
@@ -398,9 +409,13 @@ pub fn leaf_sheet(leaves: &dyn LeafArtwork) -> Result<(Image<Texel>, Vec<Pane>),
         parts: wanted.len(),
         size: LEAF_SHEET,
     })?;
-    let mut sheet = Image::filled(LEAF_SHEET, LEAF_SHEET, Texel::EMPTY);
-    let panes = draw_leaves(&mut sheet, &rects, leaves);
-    Ok((sheet, panes))
+    let mut image = Image::filled(LEAF_SHEET, LEAF_SHEET, Texel::EMPTY);
+    let panes = draw_leaves(&mut image, &rects, leaves);
+    Ok(LeafSheet {
+        image,
+        rects,
+        panes,
+    })
 }
 
 /// Draws the leaf kinds into their parts of an atlas.

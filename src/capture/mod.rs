@@ -14,7 +14,8 @@ mod studio;
 
 pub use backend::{Backend, Pass, Picture, Scene, Shot};
 pub use bake::{
-    BakeError, Baked, LeafArtwork, Settings, Source, bake, bake_with, leaf_sheet, standing,
+    BakeError, Baked, LeafArtwork, LeafSheet, Settings, Source, bake, bake_with, leaf_sheet,
+    standing,
 };
 pub use cpu::Cpu;
 pub use occlusion::Occlusion;

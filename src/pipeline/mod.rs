@@ -1,9 +1,11 @@
 //! The list of stages: from a species and a seed to a finished [`TreeAsset`].
 
 mod choose;
+mod sketch;
 mod tone;
 
 pub use choose::Selection;
+pub use sketch::{Sketch, Sketcher};
 
 use self::choose::Fitting;
 use self::tone::Tones;
@@ -395,9 +397,9 @@ fn forms(
     if levels_only || cards > MEASURED_CARDS {
         return Ok(None);
     }
-    let (sheet, places) = capture::leaf_sheet(artwork)?;
-    let cutouts = Cutouts::of(&sheet);
-    let leaves = CrossQuads::none(tree, places);
+    let sheet = capture::leaf_sheet(artwork)?;
+    let cutouts = Cutouts::of(&sheet.image);
+    let leaves = CrossQuads::none(tree, sheet.panes);
     let turns = capture::standing(tree);
     Ok(Some(menu::forms(
         tree,

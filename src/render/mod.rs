@@ -24,7 +24,7 @@ mod targets;
 pub mod uniforms;
 
 pub use camera::{Camera, Lens, Orbit};
-pub use model::{Lod, Model};
+pub use model::{Lod, Maker, Model, Textures};
 pub use renderer::{PORTRAIT, Renderer};
 pub use scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
 pub use uniforms::Instance;

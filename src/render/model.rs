@@ -59,8 +59,38 @@ pub(super) struct Part {
     pub(super) count: u32,
 }
 
+/// Makes models for a renderer, on any thread.
+#[derive(Clone, Debug)]
+pub struct Maker {
+    pub(super) gpu: Gpu,
+    pub(super) layouts: Layouts,
+}
+
+impl Maker {
+    /// Puts a tree on the device; with the `textures` of another model if they are the same.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] if a mesh or a texture is more than the adapter takes, or what the driver says.
+    pub fn make(
+        &self,
+        source: &Drawable<'_>,
+        textures: Option<Textures>,
+    ) -> Result<Model, GpuError> {
+        let model = Model::new(&self.gpu, &self.layouts, source, textures)?;
+        self.gpu.check()?;
+        Ok(model)
+    }
+}
+
+/// The textures of a model on the device.
+#[derive(Clone, Debug)]
+pub struct Textures {
+    bark: wgpu::BindGroup,
+    foliage: wgpu::BindGroup,
+}
+
 /// Layouts of the bind groups that models are bound by.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Layouts {
     pub(super) model: wgpu::BindGroupLayout,
     pub(super) ground: wgpu::BindGroupLayout,
@@ -112,6 +142,7 @@ impl Model {
         gpu: &Gpu,
         layouts: &Layouts,
         source: &Drawable<'_>,
+        textures: Option<Textures>,
     ) -> Result<Self, GpuError> {
         gpu.check_edge("a foliage atlas", source.foliage.albedo.width())?;
         gpu.check_edge("a bark texture", source.bark.albedo.width())?;
@@ -157,6 +188,10 @@ impl Model {
             ],
         );
         let repeat = sampler(gpu, wgpu::AddressMode::Repeat);
+        let textures = textures.unwrap_or_else(|| Textures {
+            bark: material(gpu, layouts, source.bark, &repeat),
+            foliage: material(gpu, layouts, source.foliage, &smooth),
+        });
         Ok(Self {
             lods: lods?,
             bounds: finest,
@@ -165,9 +200,18 @@ impl Model {
             ground_reach: ground_reach(&source.shadows.maps),
             group,
             ground_group,
-            bark: material(gpu, layouts, source.bark, &repeat),
-            foliage: material(gpu, layouts, source.foliage, &smooth),
+            bark: textures.bark,
+            foliage: textures.foliage,
         })
+    }
+
+    /// Its textures, for another model that has the same.
+    #[must_use]
+    pub fn textures(&self) -> Textures {
+        Textures {
+            bark: self.bark.clone(),
+            foliage: self.foliage.clone(),
+        }
     }
 }
 

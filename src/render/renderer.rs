@@ -7,7 +7,7 @@ use super::drawing::{
     light_code, light_projection, view_code,
 };
 use super::forest::{Forest, Woods};
-use super::model::{Model, extent};
+use super::model::{Maker, Model, extent};
 use super::pipelines::Pipelines;
 use super::scene::{CALM, Filter, Group, Scene, Setting, ViewMode};
 use super::targets::{DEPTH, Targets};
@@ -125,8 +125,7 @@ impl Renderer {
     /// # Errors
     /// If the adapter cannot take it.
     pub fn add(&mut self, source: &Drawable<'_>) -> Result<usize, GpuError> {
-        let model = Model::new(&self.gpu, &self.pipelines.layouts, source)?;
-        self.gpu.check()?;
+        let model = self.maker().make(source, None)?;
         self.cast = None;
         self.models.push(model);
         Ok(self.models.len() - 1)
@@ -138,14 +137,27 @@ impl Renderer {
     /// # Errors
     /// If the adapter cannot take it.
     pub fn replace(&mut self, index: usize, source: &Drawable<'_>) -> Result<(), GpuError> {
-        let model = Model::new(&self.gpu, &self.pipelines.layouts, source)?;
-        self.gpu.check()?;
+        let model = self.maker().make(source, None)?;
+        self.put(index, model);
+        Ok(())
+    }
+
+    /// What makes models for this renderer on other threads.
+    #[must_use]
+    pub fn maker(&self) -> Maker {
+        Maker {
+            gpu: self.gpu.clone(),
+            layouts: self.pipelines.layouts.clone(),
+        }
+    }
+
+    /// Puts a model in the place of another one, or adds it if there is none at that index.
+    pub fn put(&mut self, index: usize, model: Model) {
         self.cast = None;
         match self.models.get_mut(index) {
             Some(old) => *old = model,
             None => self.models.push(model),
         }
-        Ok(())
     }
 
     /// Forgets all trees.

@@ -1,14 +1,15 @@
 //! The window's state: the document, the panes around it, and the threads that grow and write its tree.
 
-use super::document::{Document, Outside};
+use super::document::Document;
 use super::form::Change;
+use super::growing::{Grown, Sketches};
 use super::panes::{Pane, Panes, dock};
+use super::pictures::Pictures;
 use super::questions::Question;
 use super::recovery::{Journal, Left};
 use super::{menu, outline};
 use crate::gpu::GpuError;
 use crate::pack::{self, Options, Replace};
-use crate::pipeline;
 use crate::render::forest::ForestError;
 use crate::species::fault::Fault;
 use crate::viewer::loader::Loader;
@@ -19,8 +20,8 @@ use eframe::egui::{self, RichText, Ui};
 use eframe::egui_wgpu::RenderState;
 use egui_tiles::Tree;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 /// Seconds that a message is shown.
 const MESSAGE: f64 = 6.0;
@@ -83,28 +84,30 @@ pub struct Studio {
     notes: Option<PathBuf>,
     out: PathBuf,
     stop: fn() -> bool,
-    view: Viewport,
+    pub(super) view: Viewport,
     settings: Settings,
-    /// The tree that is shown, and the text that it grew from.
-    grown: Option<Arc<Grown>>,
-    grower: Loader<Grown>,
-    writer: Loader<PathBuf>,
-    watch: Watch,
-    watched: Watched,
+    /// The tree that is shown: often a sketch.
+    pub(super) shown: Option<Arc<Grown>>,
+    /// The last tree with all its LODs.
+    pub(super) grown: Option<Arc<Grown>>,
+    /// How many of those there were.
+    pub(super) number: u64,
+    pub(super) sketcher: Loader<Option<Arc<Grown>>>,
+    pub(super) sketches: Arc<Mutex<Sketches>>,
+    pub(super) grower: Loader<Grown>,
+    /// When the tree is to be grown with all its LODs.
+    pub(super) due: Option<Instant>,
+    pub(super) writer: Loader<PathBuf>,
+    pub(super) watch: Watch,
+    pub(super) watched: Watched,
     selected: String,
     dock: Tree<Pane>,
     message: Option<(String, f64)>,
-    fault: Option<String>,
+    pub(super) fault: Option<String>,
     pub(super) question: Option<Question>,
     closing: bool,
     title: String,
-}
-
-/// A tree and the text that it grew from.
-#[derive(Debug)]
-struct Grown {
-    subject: Subject,
-    text: String,
+    pictures: Pictures,
 }
 
 impl std::fmt::Debug for Studio {
@@ -141,8 +144,13 @@ impl Studio {
             stop: begin.stop,
             view: Viewport::new(state)?,
             settings,
+            shown: None,
             grown: None,
+            number: 0,
+            sketcher: Loader::start("sketch", wake.clone())?,
+            sketches: Arc::default(),
             grower: Loader::start("grow", wake.clone())?,
+            due: None,
             writer: Loader::start("write", wake)?,
             watch,
             watched,
@@ -153,6 +161,7 @@ impl Studio {
             question: (!begin.left.is_empty()).then_some(Question::Recover(begin.left)),
             closing: false,
             title: String::new(),
+            pictures: Pictures::default(),
         };
         studio.renew();
         Ok(studio)
@@ -171,19 +180,20 @@ impl Studio {
         (grown.text == self.document.text()).then_some(&grown.subject)
     }
 
+    /// True if what is shown is the tree that the text says, be it a sketch.
+    #[must_use]
+    pub fn is_up_to_date(&self) -> bool {
+        let shown = self.shown.as_ref();
+        shown.is_some_and(|shown| shown.text == self.document.text())
+    }
+
     /// What is being said.
     #[must_use]
     pub fn message(&self) -> Option<&str> {
         self.message.as_ref().map(|(text, _)| text.as_str())
     }
 
-    /// Keeps what is unsaved, and grows the tree again: the text has changed.
-    pub(super) fn renew(&mut self) {
-        self.keep();
-        self.grow();
-    }
-
-    fn keep(&mut self) {
+    pub(super) fn keep(&mut self) {
         let note = self.document.note();
         if self.journal.is_none() && note.is_some() {
             let folder = self.notes.as_deref();
@@ -197,71 +207,8 @@ impl Studio {
         }
     }
 
-    fn grow(&mut self) {
-        if self.document.reading().species.is_err() {
-            return;
-        }
-        let (text, folder) = (self.document.text().to_owned(), self.document.folder());
-        let path = self.document.path().map(Path::to_owned);
-        let watched = self.watched.clone();
-        self.grower.ask(Box::new(move |progress| {
-            watched.clear();
-            let name = path.as_ref().map_or_else(
-                || "script".to_owned(),
-                |path| {
-                    watched.note(path);
-                    path.display().to_string()
-                },
-            );
-            let settings = pipeline::Settings::default();
-            let script = (name.as_str(), text.as_str());
-            let subject = Subject::grown(script, &folder, &settings, &watched, progress)?;
-            Ok(Grown { subject, text })
-        }));
-    }
-
-    fn say(&mut self, ui: &Ui, text: impl Into<String>) {
+    pub(super) fn say(&mut self, ui: &Ui, text: impl Into<String>) {
         self.message = Some((text.into(), ui.input(|i| i.time) + MESSAGE));
-    }
-
-    /// Takes in what the threads have done.
-    fn listen(&mut self, ui: &Ui) {
-        if self.watch.take() {
-            match self.document.look() {
-                Ok(Outside::Same) => self.grow(),
-                Ok(Outside::Taken) => {
-                    self.say(ui, "the file was changed outside and is read again");
-                    self.renew();
-                }
-                Ok(Outside::Merged) => {
-                    self.say(ui, "the file was changed outside; both changes are kept");
-                    self.renew();
-                }
-                Ok(Outside::Conflict(theirs)) => self.question = Some(Question::Conflict(theirs)),
-                Err(error) => self.say(ui, format!("the file cannot be read any more: {error}")),
-            }
-        }
-        if self.grower.poll().good
-            && let Some(grown) = self.grower.good().cloned()
-        {
-            match self.view.show(&grown.subject) {
-                Ok(()) => {
-                    self.grown = Some(grown);
-                    self.fault = None;
-                }
-                Err(error) => self.fail(&error.into()),
-            }
-        }
-        let written = self.writer.poll();
-        if written.good
-            && let Some(folder) = self.writer.good().cloned()
-        {
-            self.say(ui, format!("{} is written", folder.display()));
-        } else if written.changed
-            && let Some(fault) = self.writer.fault().map(str::to_owned)
-        {
-            self.say(ui, fault);
-        }
     }
 
     fn fail(&mut self, error: &ForestError) {
@@ -395,6 +342,7 @@ impl Studio {
     /// One frame of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
         self.listen(ui);
+        self.rest(ui);
         let mut orders = Vec::new();
         if self.question.is_none() {
             menu::pressed(ui, &mut orders);
@@ -452,8 +400,9 @@ impl Studio {
             Ok(_) => Vec::new(),
             Err(faults) => faults.list().to_vec(),
         };
-        let grown = self.grown.clone();
-        if let Some(fault) = self.fault.as_deref().or(self.grower.fault()) {
+        let (shown, grown) = (self.shown.clone(), self.grown.clone());
+        let fault = self.fault.as_deref().or(self.grower.fault());
+        if let Some(fault) = fault.or(self.sketcher.fault()) {
             let fault = fault.to_owned();
             egui::Panel::bottom("fault").show(ui, |ui| {
                 let colour = ui.visuals().error_fg_color;
@@ -468,7 +417,10 @@ impl Studio {
             selected: &self.selected,
             settings: &mut self.settings,
             view: &mut self.view,
-            subject: grown.as_deref().map(|g| &g.subject),
+            subject: shown.as_deref().map(|g| &g.subject),
+            whole: grown.as_deref().map(|g| &g.subject),
+            number: self.number,
+            pictures: &mut self.pictures,
             busy: self.grower.stage().or_else(|| self.writer.stage()),
             fault: None,
             frame: false,
@@ -488,8 +440,8 @@ impl Studio {
         if let Some(error) = fault {
             self.fail(&error);
         }
-        if frame && let Some(grown) = &grown {
-            self.view.frame(&grown.subject, &self.settings);
+        if frame && let Some(shown) = &shown {
+            self.view.frame(&shown.subject, &self.settings);
         }
     }
 

@@ -5,13 +5,15 @@ use super::app::Order;
 use super::document::{Document, Edit};
 use super::form::{self, Change, Sheet};
 use super::outline::{self, Page, Section};
+use super::pictures::Pictures;
 use super::script;
+use crate::asset::TreeAsset;
 use crate::render::forest::ForestError;
 use crate::species::fault::Fault;
 use crate::viewer::level::Choice;
 use crate::viewer::loader::Stage;
 use crate::viewer::panel;
-use crate::viewer::settings::Settings;
+use crate::viewer::settings::{Settings, Sun};
 use crate::viewer::{Subject, Viewport};
 use eframe::egui::{self, Align2, RichText, Ui, vec2};
 use egui_tiles::{Behavior, Tile, TileId, Tiles, Tree, UiResponse};
@@ -28,6 +30,8 @@ pub(super) enum Pane {
     Fields,
     Script,
     Lods,
+    Atlas,
+    Shadows,
     View,
 }
 
@@ -39,6 +43,8 @@ impl Pane {
             Self::Fields => "Fields",
             Self::Script => "Script",
             Self::Lods => "LODs",
+            Self::Atlas => "Atlas",
+            Self::Shadows => "Shadows",
             Self::View => "View",
         }
     }
@@ -47,19 +53,21 @@ impl Pane {
 /// How the panes stand at first.
 pub(super) fn dock() -> Tree<Pane> {
     let mut tiles = Tiles::default();
-    let [tree, outline, fields, script, lods, view] = [
+    let [tree, outline, fields, script, lods, atlas, shadows, view] = [
         Pane::Tree,
         Pane::Outline,
         Pane::Fields,
         Pane::Script,
         Pane::Lods,
+        Pane::Atlas,
+        Pane::Shadows,
         Pane::View,
     ]
     .map(|pane| tiles.insert_pane(pane));
     let left = tiles.insert_tab_tile(vec![outline]);
     let middle = tiles.insert_tab_tile(vec![tree]);
     let upper = tiles.insert_tab_tile(vec![fields, view]);
-    let lower = tiles.insert_tab_tile(vec![script, lods]);
+    let lower = tiles.insert_tab_tile(vec![script, lods, atlas, shadows]);
     let right = tiles.insert_vertical_tile(vec![upper, lower]);
     let root = tiles.insert_horizontal_tile(vec![left, middle, right]);
     for (tabs, active) in [(upper, fields), (lower, script)] {
@@ -84,6 +92,11 @@ pub(super) struct Panes<'a> {
     pub(super) settings: &'a mut Settings,
     pub(super) view: &'a mut Viewport,
     pub(super) subject: Option<&'a Subject>,
+    /// The last tree with all its LODs.
+    pub(super) whole: Option<&'a Subject>,
+    /// Its number.
+    pub(super) number: u64,
+    pub(super) pictures: &'a mut Pictures,
     pub(super) busy: Option<Stage>,
     pub(super) stale: bool,
     pub(super) fault: Option<ForestError>,
@@ -99,6 +112,14 @@ impl Behavior<Pane> for Panes<'_> {
             Pane::Fields => framed(ui, |ui| self.fields(ui)),
             Pane::Script => framed(ui, |ui| self.script(ui)),
             Pane::Lods => framed(ui, |ui| self.lods(ui)),
+            Pane::Atlas => framed(ui, |ui| {
+                self.asset(ui, |pictures, ui, tree, _| pictures.atlas(ui, tree));
+            }),
+            Pane::Shadows => framed(ui, |ui| {
+                self.asset(ui, |pictures, ui, tree, sun| {
+                    pictures.shadows(ui, tree, sun);
+                });
+            }),
             Pane::View => framed(ui, |ui| {
                 let asked = panel::ui(ui, self.settings, self.view, self.subject);
                 self.frame |= asked.frame;
@@ -312,8 +333,22 @@ impl Panes<'_> {
         }
     }
 
+    /// Shows something of the last tree that has all of it.
+    fn asset(
+        &mut self,
+        ui: &mut Ui,
+        show: impl FnOnce(&mut Pictures, &mut Ui, (u64, &TreeAsset), Sun),
+    ) {
+        match self.whole.and_then(Subject::asset) {
+            Some(tree) => show(self.pictures, ui, (self.number, tree), self.settings.sun),
+            None => {
+                ui.weak("no tree yet");
+            }
+        }
+    }
+
     fn lods(&mut self, ui: &mut Ui) {
-        let Some(subject) = self.subject else {
+        let Some(subject) = self.whole else {
             ui.weak("no tree yet");
             return;
         };

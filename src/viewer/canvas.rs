@@ -5,7 +5,7 @@ use crate::gpu::{Gpu, GpuError};
 use crate::image::Image;
 use crate::math::{Vec3, float, round_to_u32};
 use crate::render::forest::{Forest, ForestError, ForestTree};
-use crate::render::{Renderer, Scene};
+use crate::render::{Maker, Model, Renderer, Scene};
 use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use std::time::Instant;
@@ -92,6 +92,18 @@ impl Canvas {
         self.drawn = None;
         self.forest = None;
         Ok(())
+    }
+
+    /// What makes models for this canvas on other threads.
+    pub(super) fn maker(&self) -> Maker {
+        self.renderer.maker()
+    }
+
+    /// Shows this tree from now on.
+    pub(super) fn put(&mut self, model: Model) {
+        self.renderer.put(0, model);
+        self.drawn = None;
+        self.forest = None;
     }
 
     /// Outermost points of the tree, metres.

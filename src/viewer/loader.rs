@@ -111,6 +111,17 @@ impl<T: Send + 'static> Loader<T> {
         self.shared.some.notify_one();
     }
 
+    /// Lets go of what is being done and of what was asked for; the last good result stays.
+    pub fn stop(&mut self) {
+        self.asked += 1;
+        self.busy = false;
+        let mut next = lock(&self.shared.next);
+        next.job = None;
+        if let Some(running) = &next.running {
+            running.store(true, Ordering::Relaxed);
+        }
+    }
+
     /// Takes in what has been done since the last call.
     pub fn poll(&mut self) -> Polled {
         let mut polled = Polled::default();
@@ -315,6 +326,21 @@ mod tests {
         loader.ask(Box::new(|_| Ok(1)));
         settled(&mut loader);
         assert_eq!(loader.good().map(|g| **g), Some(1));
+    }
+
+    #[test]
+    fn what_is_stopped_gives_nothing_and_what_comes_after_does() {
+        let mut loader = loader();
+        let (began, has_begun) = channel();
+        let (ended, has_ended) = channel();
+        loader.ask(endless(began, ended));
+        has_begun.recv_timeout(Duration::from_secs(20)).unwrap();
+        loader.stop();
+        has_ended.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert_eq!((loader.stage(), loader.poll()), (None, Polled::default()));
+        loader.ask(Box::new(|_| Ok(3)));
+        settled(&mut loader);
+        assert_eq!(loader.good().map(|g| **g), Some(3));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::gpu::GpuError;
 use crate::image::Image;
 use crate::math::{TAU, Vec3, float, round_to_u32};
 use crate::render::forest::ForestError;
-use crate::render::{Camera, Scene};
+use crate::render::{Camera, Maker, Model, Scene};
 use eframe::egui::{self, Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use std::time::Duration;
@@ -105,6 +105,18 @@ impl Viewport {
         self.canvas.show(subject)?;
         self.pace.forget();
         Ok(())
+    }
+
+    /// What makes models for this view on other threads.
+    #[must_use]
+    pub fn maker(&self) -> Maker {
+        self.canvas.maker()
+    }
+
+    /// Shows a tree that such a thread has put on the device; the camera stays, but for the first tree.
+    pub fn put(&mut self, model: Model) {
+        self.canvas.put(model);
+        self.pace.forget();
     }
 
     /// Keeps a camera that was used before the view was made anew.
