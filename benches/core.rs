@@ -113,6 +113,16 @@ fn forms(species: &Species, tree: &Tree) -> Forms {
     menu::forms(tree, &species.lod, &leaves, &cutouts, meant_for, &Quiet).expect("small enough")
 }
 
+/// What the studio waits for after an edit that changes no texture: growing, meshing and swaying at full detail.
+#[divan::bench(sample_count = 40)]
+fn sketch_after_an_edit(bencher: Bencher) {
+    let (species, settings) = (olive(), pipeline::Settings::default());
+    let mut sketcher = pipeline::Sketcher::default();
+    let mut sketch = || sketcher.sketch(black_box(&species), &settings, &NoFiles);
+    sketch().expect("it grows");
+    bencher.bench_local(sketch);
+}
+
 #[divan::bench(sample_count = 5)]
 fn measure_all_forms(bencher: Bencher) {
     let species = olive();

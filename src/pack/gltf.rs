@@ -71,10 +71,9 @@ impl Document {
             let bytes = bytemuck::cast_slice(&primitive.vertices);
             (Cow::Borrowed(bytes), size_of::<Vertex>())
         } else {
-            let untinted = |v: &Vertex| bytemuck::cast::<Vertex, [u8; size_of::<Vertex>()]>(*v);
             let stride = core::mem::offset_of!(Vertex, tint);
-            let bytes = primitive.vertices.iter().map(untinted);
-            let bytes: Vec<u8> = bytes.flat_map(|b| b.into_iter().take(stride)).collect();
+            let untinted = |v: &Vertex| bytemuck::bytes_of(v)[..stride].to_vec();
+            let bytes: Vec<u8> = primitive.vertices.iter().flat_map(untinted).collect();
             (Cow::Owned(bytes), stride)
         };
         let target = json!({ "target": ARRAY_BUFFER, "byteStride": stride });
