@@ -257,6 +257,12 @@ fn killed() -> Outcome {
     assert_eq!(fs::read_to_string(&script)?, unsaved);
     drop(window);
     assert!(recovery::left(&notes).is_empty(), "nothing is unsaved");
+    let untouched = window_at(Begin {
+        notes: Some(notes.clone()),
+        ..Begin::new(Document::new(templates::BLANK.to_owned()))
+    });
+    drop(untouched);
+    assert!(recovery::left(&notes).is_empty(), "nothing was done");
     Ok(())
 }
 

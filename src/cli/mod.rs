@@ -147,6 +147,16 @@ pub(crate) fn say(json: &impl serde::Serialize) -> Result<(), Failure> {
     }
 }
 
+/// Why a window could not be shown.
+#[cfg(feature = "preview")]
+fn window_failure(error: crate::viewer::WindowError) -> Failure {
+    if error.is_worth_another_try() {
+        Failure::machine(error)
+    } else {
+        Failure::input(error)
+    }
+}
+
 /// Writes a file whole or not at all, and says so.
 pub(crate) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Failure> {
     let told =

@@ -21,13 +21,7 @@ pub(crate) fn run(args: &Preview) -> Result<End, Failure> {
         stop: super::interrupted,
         ..viewer::Options::default()
     };
-    viewer::run(&source(args)?, &options).map_err(|error| {
-        if error.is_worth_another_try() {
-            Failure::machine(error)
-        } else {
-            Failure::input(error)
-        }
-    })?;
+    viewer::run(&source(args)?, &options).map_err(super::window_failure)?;
     if super::interrupted() {
         return Ok(End::Interrupted);
     }

@@ -34,13 +34,7 @@ pub(crate) fn run(args: &Studio) -> Result<End, Failure> {
         stop: super::interrupted,
         ..Begin::new(document)
     };
-    studio::run(begin, args.size.map(float)).map_err(|error| {
-        if error.is_worth_another_try() {
-            Failure::machine(error)
-        } else {
-            Failure::input(error)
-        }
-    })?;
+    studio::run(begin, args.size.map(float)).map_err(super::window_failure)?;
     if super::interrupted() {
         return Ok(End::Interrupted);
     }

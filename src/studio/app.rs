@@ -194,7 +194,8 @@ impl Studio {
     }
 
     pub(super) fn keep(&mut self) {
-        let note = self.document.note();
+        // A new document to which nothing was done is nothing to lose.
+        let note = self.document.note().filter(|_| self.has_work());
         if self.journal.is_none() && note.is_some() {
             let folder = self.notes.as_deref();
             self.journal = folder.and_then(|folder| Journal::open(folder).ok());

@@ -30,17 +30,10 @@ pub struct Sheet<'a> {
 }
 
 /// Fields of the whole script that have pages of their own, or that nobody should change.
-const ELSEWHERE: [&str; 6] = [
-    "format",
-    "bark",
-    "splines",
-    "leaves",
-    "levels",
-    "variations",
-];
+const ELSEWHERE: [&str; 5] = ["format", "splines", "leaves", "levels", "variations"];
 
 /// Those that have a page once they are there.
-const SOMETIMES: [&str; 2] = ["stems", "lod"];
+const SOMETIMES: [&str; 3] = ["stems", "bark", "lod"];
 
 /// Shows the fields of `node`, which stands at `path` and has those of `table`.
 pub fn page(
