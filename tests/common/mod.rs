@@ -22,7 +22,8 @@ use pleach::species::{self, Beside};
 use pleach::tree::{Limits, Tree, grow};
 use proptest::prelude::*;
 
-/// So many cases, drawn anew in each run; a failing one is printed small enough to be kept as a test.
+/// So many cases, drawn from the seed in `.cargo/config.toml`; a failing one is printed small enough to be kept
+/// as a test.
 pub(crate) fn cases(cases: u32) -> ProptestConfig {
     ProptestConfig {
         cases,
