@@ -183,6 +183,17 @@ impl Surface {
         surface
     }
 
+    /// A rectangle of it, which must lie inside.
+    #[must_use]
+    pub fn part(&self, x: u32, y: u32, width: u32, height: u32) -> Self {
+        Self {
+            albedo: self.albedo.part(x, y, width, height),
+            normal: self.normal.part(x, y, width, height),
+            orm: self.orm.part(x, y, width, height),
+            extra: self.extra.part(x, y, width, height),
+        }
+    }
+
     /// The texels that the bytes stand for; their alpha is the coverage.
     #[must_use]
     pub fn texels(&self) -> Image<Texel> {

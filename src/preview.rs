@@ -5,6 +5,7 @@
 //!
 //! The curve of tones: Narkowicz, *ACES Filmic Tone Mapping Curve*, 2016.
 
+pub mod closeups;
 pub mod sheets;
 
 use crate::asset::Drawable;
@@ -225,7 +226,10 @@ impl<'a> Stage<'a> {
 
     /// One baked shadow at a point of the ground, 0..=1, between texels.
     fn shadow_at(&self, map: usize, ground: Vec3) -> f32 {
-        let map = &self.tree.shadows.maps[map];
+        // A sketch has none.
+        let Some(map) = self.tree.shadows.maps.get(map) else {
+            return 0.0;
+        };
         let [x0, z0, x1, z1] = map.ground_rect_m;
         let (width, height) = (map.image.width(), map.image.height());
         let u = (ground.x - x0) / (x1 - x0) * float(width) - 0.5;

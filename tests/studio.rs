@@ -39,6 +39,10 @@ fn main() -> ExitCode {
             sketches,
         ),
         ("the_atlas_and_the_shadows_are_shown_and_named", pictures),
+        ("a_tree_is_chosen_and_kept_from_a_grid_of_seeds", seeds),
+        ("a_spline_is_edited_by_hand_and_by_numbers", splines),
+        ("leaf_and_bark_are_seen_from_near", near),
+        ("pointing_at_a_field_draws_what_it_does", drawings),
     ])
 }
 
@@ -185,6 +189,11 @@ fn levels() -> Outcome {
         text(&window)
     );
     assert!(window.state().document().reading().species.is_ok());
+    // By the mouse, to the upper half of the limbs, and back, and by a button.
+    drag(&mut window, "branches", "limbs");
+    assert!(text(&window).find("\"branches\"") < text(&window).find("\"limbs\", links"));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    click(&mut window, "branches");
     click(&mut window, "Move branches up");
     let places = ["\"branches\"", "\"limbs\", links", "\"leaves\""].map(|p| text(&window).find(p));
     assert!(
@@ -200,6 +209,23 @@ fn levels() -> Outcome {
     undo_all(&mut window);
     assert_eq!(text(&window), templates::BLANK);
     Ok(())
+}
+
+/// Drags the row of one part to the upper edge of another's.
+fn drag(window: &mut Window, from: &str, to: &str) {
+    let place = |window: &Window, label| {
+        let rows: Vec<_> = window.get_all_by_label(label).collect();
+        rows[0].rect()
+    };
+    window.drag_at(place(window, from).center());
+    window.run_steps(2);
+    let to = place(window, to);
+    for part in [0.5, 0.3, 0.2] {
+        window.hover_at(to.left_top() + vec2(20.0, to.height() * part));
+        window.run_steps(2);
+    }
+    window.drop_at(to.left_top() + vec2(20.0, to.height() * 0.2));
+    window.run_steps(3);
 }
 
 fn faults() -> Outcome {
@@ -402,6 +428,127 @@ fn pictures() -> Outcome {
     let named = window.query_all_by_label_contains("texels").count();
     assert_eq!(named, 1);
     picture(&mut window, "atlas_named")
+}
+
+fn seeds() -> Outcome {
+    let mut window = on(templates::BLANK);
+    until(&mut window, "the tree", |s| s.subject().is_some())?;
+    window.get_by_label("Seeds").click();
+    window.run_steps(4);
+    until(&mut window, "sixteen trees", Studio::has_all_seeds)?;
+    picture(&mut window, "seeds")?;
+    click(&mut window, "Take seed 5");
+    assert!(text(&window).contains("seed: 5,"), "{}", text(&window));
+    // The pictures are still those of the species.
+    assert!(window.state().has_all_seeds());
+    click(&mut window, "Keep seed 7");
+    let kept = "(name: \"kept\", seed: 7)";
+    assert!(text(&window).contains(kept), "{}", text(&window));
+    click(&mut window, "Keep seed 9");
+    assert!(text(&window).contains("(name: \"kept2\", seed: 9)"));
+    assert!(window.query_by_label("Keep seed 9").is_none(), "it is kept");
+    assert!(window.state().document().reading().species.is_ok());
+    click(&mut window, "later");
+    assert!(window.query_by_label("Take seed 17").is_some());
+    undo_all(&mut window);
+    assert_eq!(text(&window), templates::BLANK);
+    Ok(())
+}
+
+fn splines() -> Outcome {
+    let mut window = on(templates::BLANK);
+    click(&mut window, "limb");
+    let before = text(&window).to_owned();
+    set(&mut window, "x of point 1", 0.25);
+    assert!(
+        text(&window).contains("(0.25, 1, 0.1)"),
+        "{}",
+        text(&window)
+    );
+    click(&mut window, "Add a point after 1");
+    click(&mut window, "Take away point 0");
+    assert!(window.state().document().reading().species.is_ok());
+    undo_all(&mut window);
+    assert_eq!(text(&window), before);
+    // By hand: the tip is dragged aside.
+    let view = window.get_by_label("Spline from the front").rect();
+    let tip = window
+        .state()
+        .document()
+        .reading()
+        .species
+        .as_ref()
+        .map(|s| s.splines[1].points.clone());
+    let tip = tip.expect("no faults");
+    let last = tip[tip.len() - 1];
+    let scale = view.height() / (last[1] * 1.16);
+    let at = view.center_bottom() - vec2(0.0, (last[1] * 1.06) * scale);
+    window.drag_at(at);
+    window.run_steps(2);
+    window.hover_at(at + vec2(20.0, 0.0));
+    window.run_steps(2);
+    window.drop_at(at + vec2(20.0, 0.0));
+    window.run_steps(2);
+    let dragged = window
+        .state()
+        .document()
+        .reading()
+        .species
+        .as_ref()
+        .map(|s| s.splines[1].points.clone());
+    let dragged = dragged.expect("no faults");
+    assert!(dragged[dragged.len() - 1][0] > 0.05, "{dragged:?}");
+    picture(&mut window, "spline")?;
+    // One step for the whole way.
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(text(&window), before);
+    Ok(())
+}
+
+fn near() -> Outcome {
+    let (_, oak) = templates::ALL
+        .iter()
+        .find(|(name, _)| *name == "English oak")
+        .expect("an oak");
+    let mut window = on(oak);
+    until(&mut window, "the sketch", Studio::is_up_to_date)?;
+    click(&mut window, "Bark");
+    let place = window.get_by_label("From near").rect();
+    assert!(place.width() > 80.0, "{place:?}");
+    picture(&mut window, "bark")?;
+    click(&mut window, "normals");
+    let root = window.state().document().reading().root.clone();
+    let pages = pleach::studio::outline::pages(&root.expect("values"));
+    let leaf = pages.iter().find(|p| p.path == "leaves.0").expect("a leaf");
+    click(&mut window, &leaf.title);
+    click(&mut window, "from behind");
+    picture(&mut window, "leaf")?;
+    assert_eq!(text(&window), *oak, "looking changes nothing");
+    Ok(())
+}
+
+fn drawings() -> Outcome {
+    let mut window = on(templates::BLANK);
+    until(&mut window, "the tree", |s| s.subject().is_some())?;
+    click(&mut window, "limbs");
+    let links = window
+        .get_by_role_and_label(Role::Label, "links")
+        .rect()
+        .center();
+    window.hover_at(links);
+    let begun = Instant::now();
+    while window.query_by_label("27").is_none() || begun.elapsed() < Duration::from_secs(2) {
+        assert!(begun.elapsed() < PATIENCE, "nothing is drawn");
+        std::thread::sleep(Duration::from_millis(20));
+        window.step();
+    }
+    // Half as many, as many, and half as many again.
+    for caption in ["9", "18", "27"] {
+        assert!(window.query_all_by_label(caption).count() > 0, "{caption}");
+    }
+    picture(&mut window, "drawings")?;
+    assert_eq!(text(&window), templates::BLANK, "looking changes nothing");
+    Ok(())
 }
 
 /// Writes the window as a picture where `STUDIO_PICTURES` says, to be looked at.

@@ -5,5 +5,6 @@
 mod page;
 mod plate;
 
+pub use crate::preview::closeups::Paint;
 pub use page::{Entry, page};
-pub use plate::{Paint, plate};
+pub use plate::plate;

@@ -62,11 +62,25 @@ impl Sketcher {
         files: &dyn Files,
     ) -> Result<Option<Sketch>, GenerateError> {
         let seed = settings.seed.unwrap_or(species.seed);
+        self.shape(species, (seed, seed), settings, files)
+    }
+
+    /// Sketches the tree of one seed in the textures of another: to look at many shapes soon.
+    ///
+    /// # Errors
+    /// See [`GenerateError`].
+    pub fn shape(
+        &mut self,
+        species: &Species,
+        (seed, textures): (u64, u64),
+        settings: &Settings,
+        files: &dyn Files,
+    ) -> Result<Option<Sketch>, GenerateError> {
         let tree = tree::grow(species, seed, &settings.limits)?;
         if Selector::new(&tree, &species.lod).full_triangles() > MOST_TRIANGLES {
             return Ok(None);
         }
-        let kept = self.textures(species, seed, files)?;
+        let kept = self.textures(species, textures, files)?;
         let quads = CrossQuads::none(&tree, kept.panes.clone());
         let state = State::full(&tree);
         let form = quads.form(&tree, &state, kept.coat);

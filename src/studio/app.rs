@@ -1,12 +1,15 @@
 //! The window's state: the document, the panes around it, and the threads that grow and write its tree.
 
+use super::closeups::Closeups;
 use super::document::Document;
+use super::drawings::Drawings;
 use super::form::Change;
 use super::growing::{Grown, Sketches};
 use super::panes::{Pane, Panes, dock};
 use super::pictures::Pictures;
 use super::questions::Question;
 use super::recovery::{Journal, Left};
+use super::seeds::Seeds;
 use super::{menu, outline};
 use crate::gpu::GpuError;
 use crate::pack::{self, Options, Replace};
@@ -19,6 +22,7 @@ use crate::viewer::{StartError, Subject, Viewport};
 use eframe::egui::{self, RichText, Ui};
 use eframe::egui_wgpu::RenderState;
 use egui_tiles::Tree;
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -108,6 +112,11 @@ pub struct Studio {
     closing: bool,
     title: String,
     pictures: Pictures,
+    closeups: Closeups,
+    drawings: RefCell<Drawings>,
+    pub(super) seeds: Seeds,
+    /// How many trees were shown.
+    pub(super) shows: u64,
 }
 
 impl std::fmt::Debug for Studio {
@@ -151,7 +160,7 @@ impl Studio {
             sketches: Arc::default(),
             grower: Loader::start("grow", wake.clone())?,
             due: None,
-            writer: Loader::start("write", wake)?,
+            writer: Loader::start("write", wake.clone())?,
             watch,
             watched,
             selected: String::new(),
@@ -162,6 +171,10 @@ impl Studio {
             closing: false,
             title: String::new(),
             pictures: Pictures::default(),
+            closeups: Closeups::default(),
+            drawings: RefCell::new(Drawings::start(wake.clone())?),
+            seeds: Seeds::start(wake)?,
+            shows: 0,
         };
         studio.renew();
         Ok(studio)
@@ -185,6 +198,12 @@ impl Studio {
     pub fn is_up_to_date(&self) -> bool {
         let shown = self.shown.as_ref();
         shown.is_some_and(|shown| shown.text == self.document.text())
+    }
+
+    /// True if the grid of seeds has all its pictures.
+    #[must_use]
+    pub fn has_all_seeds(&self) -> bool {
+        self.seeds.is_whole()
     }
 
     /// What is being said.
@@ -422,6 +441,11 @@ impl Studio {
             whole: grown.as_deref().map(|g| &g.subject),
             number: self.number,
             pictures: &mut self.pictures,
+            closeups: &mut self.closeups,
+            drawings: &self.drawings,
+            seeds: &mut self.seeds,
+            shown: self.shows,
+            growing: self.due.is_some() || self.grower.stage().is_some(),
             busy: self.grower.stage().or_else(|| self.writer.stage()),
             fault: None,
             frame: false,
@@ -438,6 +462,9 @@ impl Studio {
             ..
         } = panes;
         orders.extend(asked);
+        let document = &self.document;
+        let drawings = self.drawings.get_mut();
+        drawings.draw(document.text(), || document.folder());
         if let Some(error) = fault {
             self.fail(&error);
         }

@@ -2,12 +2,15 @@
 
 use super::curve::{self, Curve};
 use super::document::Edit;
+use super::drawings::{Drawings, Wish};
+use super::nearby;
 use super::outline;
 use super::parts::{Parts, number_of};
 use crate::species::fault::Fault;
 use crate::species::fields::{self, Absent, Field, Holds, Limits, Table};
 use crate::species::syntax::{self, Kind, Node};
 use eframe::egui::{self, Color32, RichText, Ui};
+use std::cell::RefCell;
 
 /// Something that the user has done on a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,14 +22,16 @@ pub enum Change {
 }
 
 /// What a page is made from.
-#[derive(Clone, Copy, Debug)]
-pub struct Sheet<'a> {
+#[derive(Clone, Copy)]
+pub(super) struct Sheet<'a> {
     /// The script's text.
-    pub source: &'a str,
+    pub(super) source: &'a str,
     /// What is at fault in it.
-    pub faults: &'a [Fault],
+    pub(super) faults: &'a [Fault],
     /// True for the trunk's page: its place on a parent means nothing.
-    pub is_trunk: bool,
+    pub(super) is_trunk: bool,
+    /// Drawings of what a field does.
+    pub(super) drawings: &'a RefCell<Drawings>,
 }
 
 /// Fields of the whole script that have pages of their own, or that nobody should change.
@@ -36,7 +41,7 @@ const ELSEWHERE: [&str; 5] = ["format", "splines", "leaves", "levels", "variatio
 const SOMETIMES: [&str; 3] = ["stems", "bark", "lod"];
 
 /// Shows the fields of `node`, which stands at `path` and has those of `table`.
-pub fn page(
+pub(super) fn page(
     ui: &mut Ui,
     sheet: Sheet<'_>,
     (node, table): (&Node, &'static Table),
@@ -150,7 +155,8 @@ impl Row<'_, '_> {
             let label = ui
                 .allocate_ui_with_layout(size, left, |ui| {
                     ui.set_min_width(NAMES);
-                    ui.label(name).on_hover_text(meaning(self.field))
+                    let label = ui.label(name);
+                    label.on_hover_ui(|ui| self.told(ui))
                 })
                 .inner;
             self.widget(ui, label.id);
@@ -166,6 +172,19 @@ impl Row<'_, '_> {
                 }
             }
         });
+    }
+
+    /// What hovering the name tells and shows.
+    fn told(&self, ui: &mut Ui) {
+        ui.label(meaning(self.field));
+        let shown = self.shown();
+        let values = nearby::values(self.field, shown.as_ref());
+        if !values.is_empty() {
+            let path = self.path.to_owned();
+            ui.add_space(4.0);
+            let mut drawings = self.sheet.drawings.borrow_mut();
+            drawings.ui(ui, &Wish { path, values });
+        }
     }
 
     /// A struct within the struct.
@@ -269,22 +288,28 @@ impl Row<'_, '_> {
             }
             return;
         };
-        let response = ui
-            .add(
-                egui::DragValue::new(&mut value)
-                    .range(low..=high)
-                    .speed(0.1),
-            )
-            .labelled_by(label);
+        let lock = egui::Id::unique(("locked seed", self.path));
+        let locked = ui.data(|data| data.get_temp(lock).unwrap_or(false));
+        let field = egui::DragValue::new(&mut value)
+            .range(low..=high)
+            .speed(0.1);
+        let response = ui.add_enabled(!locked, field).labelled_by(label);
         if response.changed() {
             self.set(value.to_string());
         }
         self.rest(&response);
         if self.field.name == "seed" {
-            let dice = ui.small_button("roll").on_hover_text("Another seed");
+            let mut locked = locked;
+            let dice = ui.add_enabled(!locked, egui::Button::new("roll").small());
+            let dice = dice.on_hover_text("Another seed");
             dice.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::Role::Button, true, "Another seed")
+                egui::WidgetInfo::labeled(egui::Role::Button, !locked, "Another seed")
             });
+            let toggle = ui.toggle_value(&mut locked, "lock");
+            let toggle = toggle.on_hover_text("Keeps the seed from being rolled or dragged");
+            if toggle.changed() {
+                ui.data_mut(|data| data.insert_temp(lock, locked));
+            }
             if dice.clicked() {
                 self.set(another(value).to_string());
                 self.changes.push(Change::Rest);

@@ -38,6 +38,7 @@ impl Studio {
     pub(super) fn renew(&mut self) {
         self.keep();
         self.grower.stop();
+        self.seeds.stop();
         if self.document.reading().species.is_ok() {
             self.sketch();
             self.due = Some(Instant::now() + REST);
@@ -171,6 +172,7 @@ impl Studio {
         if let Some(model) = model {
             self.view.put(model);
             self.shown = Some(tree);
+            self.shows += 1;
             self.fault = None;
         }
     }

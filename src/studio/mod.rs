@@ -7,12 +7,15 @@
 
 pub mod adding;
 mod app;
+mod closeups;
 mod curve;
 pub mod document;
+mod drawings;
 pub mod form;
 mod growing;
 pub mod history;
 mod menu;
+mod nearby;
 pub mod outline;
 mod panes;
 mod parts;
@@ -20,6 +23,9 @@ mod pictures;
 mod questions;
 pub mod recovery;
 mod script;
+mod seeds;
+mod skeleton;
+mod spline_editor;
 pub mod templates;
 mod window;
 

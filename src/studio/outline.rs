@@ -147,11 +147,12 @@ pub fn table_of(field: &str, value: &Node) -> Option<&'static Table> {
     if !matches!(value.kind, Kind::Struct { .. } | Kind::Tuple { .. }) {
         return None;
     }
-    let one = match field {
-        "leaves" => "leaf",
-        _ => field.strip_suffix('s').unwrap_or(field),
+    let names = match field {
+        // `Leaves` is a level of them.
+        "leaves" => ["leaf"; 2],
+        _ => [field, field.strip_suffix('s').unwrap_or(field)],
     };
-    [field, one].into_iter().find_map(|name| {
+    names.into_iter().find_map(|name| {
         let mut letters = name.chars();
         let first = letters.next()?.to_ascii_uppercase();
         by_name(&format!("{first}{}", letters.as_str()))
@@ -263,6 +264,8 @@ mod tests {
         }
         let bark = pages.iter().find(|p| p.section == Section::Bark).unwrap();
         assert_eq!(bark.table.name, "Ridged");
+        let leaf = pages.iter().find(|p| p.section == Section::Leaves).unwrap();
+        assert_eq!(leaf.table.name, "Leaf");
     }
 
     #[test]

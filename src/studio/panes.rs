@@ -2,14 +2,19 @@
 
 use super::adding;
 use super::app::Order;
+use super::closeups::{Closeups, Near};
 use super::document::{Document, Edit};
+use super::drawings::Drawings;
 use super::form::{self, Change, Sheet};
 use super::outline::{self, Page, Section};
 use super::pictures::Pictures;
 use super::script;
+use super::seeds::{Seeds, Wanted};
+use super::spline_editor::Editor;
 use crate::asset::TreeAsset;
 use crate::render::forest::ForestError;
 use crate::species::fault::Fault;
+use crate::species::syntax::Node;
 use crate::viewer::level::Choice;
 use crate::viewer::loader::Stage;
 use crate::viewer::panel;
@@ -17,6 +22,7 @@ use crate::viewer::settings::{Settings, Sun};
 use crate::viewer::{Subject, Viewport};
 use eframe::egui::{self, Align2, RichText, Ui, vec2};
 use egui_tiles::{Behavior, Tile, TileId, Tiles, Tree, UiResponse};
+use std::cell::RefCell;
 use std::time::Duration;
 
 /// How often the word of what is being done moves.
@@ -28,6 +34,7 @@ pub(super) enum Pane {
     Tree,
     Outline,
     Fields,
+    Seeds,
     Script,
     Lods,
     Atlas,
@@ -41,6 +48,7 @@ impl Pane {
             Self::Tree => "Tree",
             Self::Outline => "Parts",
             Self::Fields => "Fields",
+            Self::Seeds => "Seeds",
             Self::Script => "Script",
             Self::Lods => "LODs",
             Self::Atlas => "Atlas",
@@ -53,10 +61,21 @@ impl Pane {
 /// How the panes stand at first.
 pub(super) fn dock() -> Tree<Pane> {
     let mut tiles = Tiles::default();
-    let [tree, outline, fields, script, lods, atlas, shadows, view] = [
+    let [
+        tree,
+        outline,
+        fields,
+        seeds,
+        script,
+        lods,
+        atlas,
+        shadows,
+        view,
+    ] = [
         Pane::Tree,
         Pane::Outline,
         Pane::Fields,
+        Pane::Seeds,
         Pane::Script,
         Pane::Lods,
         Pane::Atlas,
@@ -66,7 +85,7 @@ pub(super) fn dock() -> Tree<Pane> {
     .map(|pane| tiles.insert_pane(pane));
     let left = tiles.insert_tab_tile(vec![outline]);
     let middle = tiles.insert_tab_tile(vec![tree]);
-    let upper = tiles.insert_tab_tile(vec![fields, view]);
+    let upper = tiles.insert_tab_tile(vec![fields, seeds, view]);
     let lower = tiles.insert_tab_tile(vec![script, lods, atlas, shadows]);
     let right = tiles.insert_vertical_tile(vec![upper, lower]);
     let root = tiles.insert_horizontal_tile(vec![left, middle, right]);
@@ -79,6 +98,9 @@ pub(super) fn dock() -> Tree<Pane> {
         for (tile, share) in [(left, 0.55), (middle, 2.0), (right, 1.25)] {
             linear.shares.set_share(tile, share);
         }
+    }
+    if let Some(Tile::Container(egui_tiles::Container::Linear(linear))) = tiles.get_mut(right) {
+        linear.shares.set_share(upper, 1.5);
     }
     Tree::new(egui::Id::unique("studio dock"), root, tiles)
 }
@@ -97,6 +119,13 @@ pub(super) struct Panes<'a> {
     /// Its number.
     pub(super) number: u64,
     pub(super) pictures: &'a mut Pictures,
+    pub(super) closeups: &'a mut Closeups,
+    pub(super) drawings: &'a RefCell<Drawings>,
+    pub(super) seeds: &'a mut Seeds,
+    /// Number of the tree that is shown.
+    pub(super) shown: u64,
+    /// True while a tree is growing, or about to.
+    pub(super) growing: bool,
     pub(super) busy: Option<Stage>,
     pub(super) stale: bool,
     pub(super) fault: Option<ForestError>,
@@ -110,6 +139,7 @@ impl Behavior<Pane> for Panes<'_> {
             Pane::Tree => self.tree(ui),
             Pane::Outline => framed(ui, |ui| self.outline(ui)),
             Pane::Fields => framed(ui, |ui| self.fields(ui)),
+            Pane::Seeds => framed(ui, |ui| self.seeds(ui)),
             Pane::Script => framed(ui, |ui| self.script(ui)),
             Pane::Lods => framed(ui, |ui| self.lods(ui)),
             Pane::Atlas => framed(ui, |ui| {
@@ -196,13 +226,60 @@ impl Panes<'_> {
                         #[expect(clippy::cast_precision_loss, reason = "a few levels")]
                         ui.add_space(page.depth as f32 * 10.0);
                         let is_selected = page.path == self.selected;
-                        if ui.selectable_label(is_selected, &page.title).clicked() {
+                        let row = egui::Button::selectable(is_selected, &page.title);
+                        let is_item = outline::number(&page.path).is_some();
+                        let row = ui.add(if is_item {
+                            row.sense(egui::Sense::click_and_drag())
+                        } else {
+                            row
+                        });
+                        if row.clicked() {
                             self.orders.push(Order::Select(page.path.clone()));
+                        }
+                        if is_item {
+                            self.dragged(ui, page, &row);
                         }
                     });
                 }
             }
         });
+    }
+
+    /// Lets a row be dragged to another place of its list.
+    fn dragged(&mut self, ui: &Ui, page: &Page, row: &egui::Response) {
+        row.dnd_set_drag_payload(page.path.clone());
+        let list = |path: &str| path.rsplit_once('.').map(|(list, _)| list.to_owned());
+        let over = row.dnd_hover_payload::<String>();
+        if over.is_none_or(|from| list(&from) != list(&page.path) || *from == page.path) {
+            return;
+        }
+        let at = ui.ctx().pointer_latest_pos().unwrap_or_default();
+        let below = at.y > row.rect.center().y;
+        let edge = if below {
+            row.rect.bottom()
+        } else {
+            row.rect.top()
+        };
+        let stroke = egui::Stroke::new(2.0, ui.visuals().selection.bg_fill);
+        ui.painter().hline(row.rect.x_range(), edge, stroke);
+        let Some(from) = row.dnd_release_payload::<String>() else {
+            return;
+        };
+        let (Some(from_index), Some(index)) = (outline::number(&from), outline::number(&page.path))
+        else {
+            return;
+        };
+        // Its own place is empty once it is taken up.
+        let to = (index + usize::from(below))
+            .saturating_sub(usize::from(from_index < index + usize::from(below)));
+        let title = self.pages.iter().find(|p| p.path == *from);
+        let name = title.map_or_else(String::new, |page| format!("Move {}", page.title));
+        let path = (*from).clone();
+        let select = list(&path).map(|list| format!("{list}.{to}"));
+        let edit = Edit::Reorder { path, to };
+        self.orders
+            .push(Order::Change(Change::Edit(name, None, edit)));
+        self.orders.extend(select.map(Order::Select));
     }
 
     /// Buttons that add an item to a list.
@@ -242,15 +319,55 @@ impl Panes<'_> {
                 });
                 ui.label(RichText::new(page.table.doc).small().weak());
                 ui.add_space(4.0);
+                let mut changes = Vec::new();
+                self.designer(ui, page, node, &mut changes);
                 let sheet = Sheet {
                     source: self.document.text(),
                     faults: self.faults,
                     is_trunk: page.path == "levels.0",
+                    drawings: self.drawings,
                 };
-                let mut changes = Vec::new();
                 form::page(ui, sheet, (node, page.table), &page.path, &mut changes);
                 self.orders.extend(changes.into_iter().map(Order::Change));
             });
+    }
+
+    /// What a page shows above its fields: a spline's editor, a leaf or the bark from near.
+    fn designer(&mut self, ui: &mut Ui, page: &Page, node: &Node, changes: &mut Vec<Change>) {
+        let near = match page.section {
+            Section::Splines => {
+                match Editor::of(&page.path, node) {
+                    Some(editor) => editor.ui(ui, changes),
+                    None => {
+                        ui.weak("Its points are in a file of their own.");
+                    }
+                }
+                ui.separator();
+                return;
+            }
+            Section::Leaves => Near::Leaf(outline::number(&page.path).unwrap_or(0)),
+            Section::Bark => Near::Bark,
+            _ => return,
+        };
+        let tree = self.subject.and_then(Subject::asset);
+        if let (Some(tree), Ok(species)) = (tree, &self.document.reading().species) {
+            self.closeups.ui(ui, near, (self.shown, tree), species);
+        }
+    }
+
+    fn seeds(&mut self, ui: &mut Ui) {
+        let reading = self.document.reading();
+        let (Some(root), Ok(species)) = (&reading.root, &reading.species) else {
+            ui.label("The script is at fault; mend it first.");
+            return;
+        };
+        let folder = self.document.folder();
+        let wanted = self.seeds.ui(ui, (root, species), folder, self.growing);
+        self.orders
+            .extend(wanted.into_iter().map(|wanted| match wanted {
+                Wanted::Change(change) => Order::Change(change),
+                Wanted::Select(path) => Order::Select(path),
+            }));
     }
 
     /// What can be done to an item of a list.

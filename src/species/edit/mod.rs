@@ -4,7 +4,7 @@ mod parts;
 
 pub use parts::{duplicate, insert, remove, reorder};
 
-use super::fields::{Absent, SPECIES};
+use super::fields::{Absent, SPECIES, TABLES};
 use super::schema::{Species, Variation};
 use super::syntax::{self, Kind, Node};
 
@@ -144,6 +144,15 @@ fn added(
         Kind::Struct { fields, .. } => fields,
         // `()` and `Name()` are structs with nothing in them.
         Kind::Tuple { items, .. } if items.is_empty() => &no_fields,
+        // A bare `Name` that may have fields gets its brackets with the first one.
+        Kind::Ident(name)
+            if TABLES
+                .iter()
+                .any(|t| t.name == name && t.field(step).is_some()) =>
+        {
+            let at = node.span.end;
+            return Ok(spliced(source, at..at, &format!("({step}: {value})")));
+        }
         _ => return Err(missing(node, path, step)),
     };
     let is_name = step.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
@@ -204,6 +213,14 @@ mod tests {
     fn an_absent_field_is_added_behind_the_last() {
         let edited = set(SCRIPT, "levels.trunk.gnarl", "0.1").unwrap();
         assert_eq!(edited, SCRIPT.replace("2.0,", "2.0, gnarl: 0.1,"));
+    }
+
+    #[test]
+    fn a_bare_name_gets_brackets_with_its_first_field() {
+        let script = SCRIPT.replace("\n)", "\n  bark: Smooth,\n)");
+        let edited = set(&script, "bark.height_m", "2").unwrap();
+        assert_eq!(edited, script.replace("Smooth", "Smooth(height_m: 2)"));
+        assert!(set(&script, "bark.links", "2").is_err());
     }
 
     #[test]
