@@ -1,7 +1,7 @@
 //! The window's state: the document, the panes around it, and the threads that grow and write its tree.
 
 use super::closeups::Closeups;
-use super::document::Document;
+use super::document::{Document, Edit};
 use super::drawings::Drawings;
 use super::form::Change;
 use super::growing::{Grown, Sketches};
@@ -14,6 +14,7 @@ use super::{menu, outline};
 use crate::gpu::GpuError;
 use crate::pack::{self, Options, Replace};
 use crate::render::forest::ForestError;
+use crate::species::edit::EditError;
 use crate::species::fault::Fault;
 use crate::viewer::loader::Loader;
 use crate::viewer::settings::Settings;
@@ -291,12 +292,26 @@ impl Studio {
             Order::Select(path) => self.selected = path,
             Order::Change(Change::Rest) => self.document.rest(),
             Order::Change(Change::Edit(name, gesture, edit)) => {
-                match self.document.apply(&name, gesture.as_deref(), edit) {
-                    Ok(()) => self.renew(),
-                    Err(error) => self.say(ui, error.to_string()),
+                if let Err(error) = self.apply(&name, gesture.as_deref(), edit) {
+                    self.say(ui, error.to_string());
                 }
             }
         }
+    }
+
+    /// Does something to the document, as [`Document::apply`] does, and begins to grow what it says.
+    ///
+    /// # Errors
+    /// If it cannot be done; all stays as it is.
+    pub fn apply(
+        &mut self,
+        name: &str,
+        gesture: Option<&str>,
+        edit: Edit,
+    ) -> Result<(), EditError> {
+        self.document.apply(name, gesture, edit)?;
+        self.renew();
+        Ok(())
     }
 
     /// False for a new document to which nothing was done.
