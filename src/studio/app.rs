@@ -3,6 +3,7 @@
 use super::document::Document;
 use super::form::Change;
 use super::growing::{Grown, Sketches};
+use super::hand::Hand;
 use super::panes::{Pane, Panes, dock};
 use super::pictures::Pictures;
 use super::questions::Question;
@@ -108,6 +109,7 @@ pub struct Studio {
     closing: bool,
     title: String,
     pictures: Pictures,
+    hand: Hand,
 }
 
 impl std::fmt::Debug for Studio {
@@ -134,6 +136,7 @@ impl Studio {
         let watch = Watch::start(watched.clone(), begin.stop, wake.clone())?;
         let settings = Settings {
             panel: false,
+            person: true,
             ..Settings::default()
         };
         let mut studio = Self {
@@ -151,6 +154,7 @@ impl Studio {
             sketches: Arc::default(),
             grower: Loader::start("grow", wake.clone())?,
             due: None,
+            hand: Hand::start(wake.clone())?,
             writer: Loader::start("write", wake)?,
             watch,
             watched,
@@ -418,7 +422,9 @@ impl Studio {
             selected: &self.selected,
             settings: &mut self.settings,
             view: &mut self.view,
+            shown: shown.as_ref(),
             subject: shown.as_deref().map(|g| &g.subject),
+            hand: &mut self.hand,
             whole: grown.as_deref().map(|g| &g.subject),
             number: self.number,
             pictures: &mut self.pictures,

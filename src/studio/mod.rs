@@ -7,15 +7,21 @@
 
 pub mod adding;
 mod app;
+mod crown;
 mod curve;
 pub mod document;
 pub mod form;
+mod grips;
 mod growing;
+mod hand;
+mod handles;
 pub mod history;
+mod marks;
 mod menu;
 pub mod outline;
 mod panes;
 mod parts;
+mod picking;
 mod pictures;
 mod questions;
 pub mod recovery;

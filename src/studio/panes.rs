@@ -4,6 +4,8 @@ use super::adding;
 use super::app::Order;
 use super::document::{Document, Edit};
 use super::form::{self, Change, Sheet};
+use super::growing::Grown;
+use super::hand::{Hand, Scene};
 use super::outline::{self, Page, Section};
 use super::pictures::Pictures;
 use super::script;
@@ -13,10 +15,11 @@ use crate::species::fault::Fault;
 use crate::viewer::level::Choice;
 use crate::viewer::loader::Stage;
 use crate::viewer::panel;
-use crate::viewer::settings::{Settings, Sun};
+use crate::viewer::settings::{Arrangement, Settings, Sun};
 use crate::viewer::{Subject, Viewport};
 use eframe::egui::{self, Align2, RichText, Ui, vec2};
 use egui_tiles::{Behavior, Tile, TileId, Tiles, Tree, UiResponse};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// How often the word of what is being done moves.
@@ -91,6 +94,8 @@ pub(super) struct Panes<'a> {
     pub(super) selected: &'a str,
     pub(super) settings: &'a mut Settings,
     pub(super) view: &'a mut Viewport,
+    pub(super) hand: &'a mut Hand,
+    pub(super) shown: Option<&'a Arc<Grown>>,
     pub(super) subject: Option<&'a Subject>,
     /// The last tree with all its LODs.
     pub(super) whole: Option<&'a Subject>,
@@ -150,6 +155,19 @@ impl Panes<'_> {
                 return;
             }
         };
+        if let Some(shown) = self.shown
+            && self.settings.arrangement == Arrangement::Single
+        {
+            let scene = Scene {
+                view: self.view.projection(response.rect),
+                response: &response,
+                shown,
+                document: self.document,
+                pages: self.pages,
+                selected: self.selected,
+            };
+            self.hand.ui(ui, &scene, &mut self.orders);
+        }
         if let Some(stage) = &self.busy {
             let at = response.rect.center_top() + vec2(0.0, 10.0);
             let font = egui::FontId::proportional(13.0);
