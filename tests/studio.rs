@@ -2,6 +2,7 @@
 //! show as ignored; with `PLEACH_REQUIRE_GPU=1` that is a failure.
 
 mod common;
+mod studio_view;
 
 use common::adapter::{self, Outcome};
 use eframe::egui::accesskit::Role;
@@ -43,6 +44,19 @@ fn main() -> ExitCode {
         ("a_spline_is_edited_by_hand_and_by_numbers", splines),
         ("leaf_and_bark_are_seen_from_near", near),
         ("pointing_at_a_field_draws_what_it_does", drawings),
+        (
+            "what_is_clicked_in_the_picture_is_selected",
+            studio_view::picks,
+        ),
+        (
+            "handles_in_the_picture_change_a_level",
+            studio_view::handles,
+        ),
+        ("the_envelope_is_dragged_in_the_picture", studio_view::crown),
+        (
+            "levels_of_a_large_tree_are_shown_in_the_picture",
+            studio_view::oak,
+        ),
     ])
 }
 

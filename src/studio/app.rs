@@ -5,6 +5,7 @@ use super::document::{Document, Edit};
 use super::drawings::Drawings;
 use super::form::Change;
 use super::growing::{Grown, Sketches};
+use super::hand::Hand;
 use super::panes::{Pane, Panes, dock};
 use super::pictures::Pictures;
 use super::questions::Question;
@@ -118,6 +119,7 @@ pub struct Studio {
     pub(super) seeds: Seeds,
     /// How many trees were shown.
     pub(super) shows: u64,
+    hand: Hand,
 }
 
 impl std::fmt::Debug for Studio {
@@ -144,6 +146,7 @@ impl Studio {
         let watch = Watch::start(watched.clone(), begin.stop, wake.clone())?;
         let settings = Settings {
             panel: false,
+            person: true,
             ..Settings::default()
         };
         let mut studio = Self {
@@ -162,6 +165,7 @@ impl Studio {
             grower: Loader::start("grow", wake.clone())?,
             due: None,
             writer: Loader::start("write", wake.clone())?,
+            hand: Hand::start(wake.clone())?,
             watch,
             watched,
             selected: String::new(),
@@ -452,14 +456,16 @@ impl Studio {
             selected: &self.selected,
             settings: &mut self.settings,
             view: &mut self.view,
+            shown: shown.as_ref(),
             subject: shown.as_deref().map(|g| &g.subject),
+            hand: &mut self.hand,
             whole: grown.as_deref().map(|g| &g.subject),
             number: self.number,
             pictures: &mut self.pictures,
             closeups: &mut self.closeups,
             drawings: &self.drawings,
             seeds: &mut self.seeds,
-            shown: self.shows,
+            shows: self.shows,
             growing: self.due.is_some() || self.grower.stage().is_some(),
             busy: self.grower.stage().or_else(|| self.writer.stage()),
             fault: None,

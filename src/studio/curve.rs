@@ -40,7 +40,25 @@ impl Curve {
         }
     }
 
-    fn range(&self) -> (f64, f64) {
+    /// The value at a place.
+    pub(super) fn at(&self, x: f64) -> f64 {
+        let points = match self {
+            Self::Flat(value) => return *value,
+            Self::Points(points) => points,
+        };
+        let after = points.partition_point(|p| p[0] <= x);
+        match (
+            after.checked_sub(1).and_then(|before| points.get(before)),
+            points.get(after),
+        ) {
+            (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
+            (Some([_, y]), None) | (None, Some([_, y])) => *y,
+            (None, None) => 0.0,
+        }
+    }
+
+    /// Smallest and largest value.
+    pub(super) fn range(&self) -> (f64, f64) {
         let values: Vec<f64> = match self {
             Self::Flat(value) => vec![*value],
             Self::Points(points) => points.iter().map(|p| p[1]).collect(),
@@ -77,7 +95,7 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// Places of a curve are this far apart at least.
-const APART: f64 = 0.005;
+pub(super) const APART: f64 = 0.005;
 
 /// Points within this many points of the screen are taken hold of.
 const REACH: f32 = 9.0;
@@ -244,6 +262,9 @@ mod tests {
         for text in ["\"x\"", "[]", "[1, 2]", "[(0, \"x\")]"] {
             assert_eq!(Curve::of(&syntax::parse(text).0.unwrap()), None, "{text}");
         }
+        let curve = Curve::Points(vec![[0.2, 1.0], [0.6, 3.0]]);
+        let values = [0.0, 0.2, 0.4, 0.6, 1.0].map(|x| curve.at(x));
+        assert_eq!(values, [1.0, 1.0, 2.0, 3.0, 3.0]);
         assert_eq!(
             ["0", "1.25", "-3"],
             [number(-0.0), number(1.25), number(-3.0)]

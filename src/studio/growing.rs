@@ -118,9 +118,9 @@ impl Studio {
         if self.sketcher.poll().good
             && let Some(sketch) = self.sketcher.good().and_then(|s| (**s).clone())
             && self
-                .grown
+                .shown
                 .as_ref()
-                .is_none_or(|grown| grown.text != sketch.text)
+                .is_none_or(|shown| shown.text != sketch.text)
         {
             self.show(sketch);
         }

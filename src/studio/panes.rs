@@ -6,6 +6,8 @@ use super::closeups::{Closeups, Near};
 use super::document::{Document, Edit};
 use super::drawings::Drawings;
 use super::form::{self, Change, Sheet};
+use super::growing::Grown;
+use super::hand::{Hand, Scene};
 use super::outline::{self, Page, Section};
 use super::pictures::Pictures;
 use super::script;
@@ -18,11 +20,12 @@ use crate::species::syntax::Node;
 use crate::viewer::level::Choice;
 use crate::viewer::loader::Stage;
 use crate::viewer::panel;
-use crate::viewer::settings::{Settings, Sun};
+use crate::viewer::settings::{Arrangement, Settings, Sun};
 use crate::viewer::{Subject, Viewport};
 use eframe::egui::{self, Align2, RichText, Ui, vec2};
 use egui_tiles::{Behavior, Tile, TileId, Tiles, Tree, UiResponse};
 use std::cell::RefCell;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// How often the word of what is being done moves.
@@ -113,6 +116,8 @@ pub(super) struct Panes<'a> {
     pub(super) selected: &'a str,
     pub(super) settings: &'a mut Settings,
     pub(super) view: &'a mut Viewport,
+    pub(super) hand: &'a mut Hand,
+    pub(super) shown: Option<&'a Arc<Grown>>,
     pub(super) subject: Option<&'a Subject>,
     /// The last tree with all its LODs.
     pub(super) whole: Option<&'a Subject>,
@@ -123,7 +128,7 @@ pub(super) struct Panes<'a> {
     pub(super) drawings: &'a RefCell<Drawings>,
     pub(super) seeds: &'a mut Seeds,
     /// Number of the tree that is shown.
-    pub(super) shown: u64,
+    pub(super) shows: u64,
     /// True while a tree is growing, or about to.
     pub(super) growing: bool,
     pub(super) busy: Option<Stage>,
@@ -180,6 +185,19 @@ impl Panes<'_> {
                 return;
             }
         };
+        if let Some(shown) = self.shown
+            && self.settings.arrangement == Arrangement::Single
+        {
+            let scene = Scene {
+                view: self.view.projection(response.rect),
+                response: &response,
+                shown,
+                document: self.document,
+                pages: self.pages,
+                selected: self.selected,
+            };
+            self.hand.ui(ui, &scene, &mut self.orders);
+        }
         if let Some(stage) = &self.busy {
             let at = response.rect.center_top() + vec2(0.0, 10.0);
             let font = egui::FontId::proportional(13.0);
@@ -351,7 +369,7 @@ impl Panes<'_> {
         };
         let tree = self.subject.and_then(Subject::asset);
         if let (Some(tree), Ok(species)) = (tree, &self.document.reading().species) {
-            self.closeups.ui(ui, near, (self.shown, tree), species);
+            self.closeups.ui(ui, near, (self.shows, tree), species);
         }
     }
 

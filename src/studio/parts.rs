@@ -1,6 +1,7 @@
 //! Angles and factors: by position on the parent, by link, and by chance.
 
 use super::curve::{self, Curve};
+use crate::species::fields::Limits;
 use crate::species::syntax::{Kind, Node};
 
 /// An angle or factor as scripts have it.
@@ -12,6 +13,8 @@ pub(super) struct Parts {
     pub(super) step: Option<f64>,
     /// Random part, either way.
     pub(super) vary: Option<f64>,
+    /// True if it stands in brackets, where a step that is left out may mean another than none.
+    pub(super) in_brackets: bool,
 }
 
 impl Parts {
@@ -22,6 +25,7 @@ impl Parts {
                 at,
                 step: None,
                 vary: None,
+                in_brackets: false,
             });
         }
         let Kind::Struct { fields, .. } = &node.kind else {
@@ -31,6 +35,7 @@ impl Parts {
             at: Curve::Flat(0.0),
             step: None,
             vary: None,
+            in_brackets: true,
         };
         if !fields.iter().any(|f| f.key == "at") {
             // A factor without a value is 1, an angle 0; the step tells an angle.
@@ -53,7 +58,7 @@ impl Parts {
 
     /// As a script writes it.
     pub(super) fn text(&self) -> String {
-        if self.step.is_none() && self.vary.is_none() {
+        if !self.in_brackets && self.step.is_none() && self.vary.is_none() {
             return self.at.text();
         }
         let mut fields = Vec::new();
@@ -67,6 +72,20 @@ impl Parts {
             fields.push(format!("vary: {}", curve::number(vary)));
         }
         format!("({})", fields.join(", "))
+    }
+
+    /// The same, changed by as much at every position, so far as all of it stays within its limits.
+    pub(super) fn shifted(&self, by: f64, limits: Limits) -> Self {
+        let (low, high) = self.at.range();
+        let (least, most) = (f64::from(limits.min) - low, f64::from(limits.max) - high);
+        let by = by.clamp(least.min(0.0), most.max(0.0));
+        let at = match &self.at {
+            Curve::Flat(value) => Curve::Flat(value + by),
+            Curve::Points(points) => {
+                Curve::Points(points.iter().map(|&[x, y]| [x, y + by]).collect())
+            }
+        };
+        Self { at, ..self.clone() }
     }
 }
 
@@ -91,6 +110,7 @@ mod tests {
             "(step: 137.5, vary: 20)",
             "(at: [(0, 60), (1, 20)], vary: 10)",
             "(at: 45, step: 90)",
+            "(at: 20)",
         ] {
             let parts = Parts::of(&syntax::parse(text).0.unwrap()).unwrap();
             assert_eq!(parts.text(), text);
@@ -98,6 +118,29 @@ mod tests {
         // What has no widget is left to the script's words.
         for text in ["(vary: 0.2)", "(at: \"x\")", "(around: 3)", "true"] {
             assert_eq!(Parts::of(&syntax::parse(text).0.unwrap()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_shift_keeps_the_form_the_step_and_the_chance_and_stays_within_limits() {
+        let limits = Limits {
+            min: -360.0,
+            max: 360.0,
+            unit: "degrees",
+        };
+        for (text, by, shifted) in [
+            ("20", 15.5, "35.5"),
+            ("[(0, 60), (1, 20)]", -30.0, "[(0, 30), (1, -10)]"),
+            ("(step: 137.5)", 12.0, "(at: 12, step: 137.5)"),
+            ("(at: 20)", 1.0, "(at: 21)"),
+            (
+                "(at: [(0, 300), (1, 20)], vary: 10)",
+                90.0,
+                "(at: [(0, 360), (1, 80)], vary: 10)",
+            ),
+        ] {
+            let parts = Parts::of(&syntax::parse(text).0.unwrap()).unwrap();
+            assert_eq!(parts.shifted(by, limits).text(), shifted, "{text}");
         }
     }
 }

@@ -13,6 +13,8 @@ pub mod level;
 pub mod loader;
 pub mod pace;
 pub mod panel;
+mod person;
+pub mod projection;
 pub mod rig;
 pub mod settings;
 pub mod shot;
@@ -25,4 +27,6 @@ mod window;
 pub use app::{App, Kept, Legacy, Start, StartError};
 pub use subject::{LodFacts, Source, Subject};
 pub use viewport::Viewport;
+#[cfg(feature = "studio")]
+pub(crate) use viewport::write;
 pub use window::{Options, WindowError, open, run, setup};

@@ -178,6 +178,10 @@ fn picture(ui: &mut Ui, settings: &mut Settings) {
             ui.selectable_value(&mut settings.view, view, name);
         }
     });
+    ui.add_enabled_ui(settings.arrangement == Arrangement::Single, |ui| {
+        ui.checkbox(&mut settings.person, "Person beside the tree")
+            .on_hover_text("1.75 m high, to see how large the tree is");
+    });
     ui.collapsing("Light and filter", |ui| {
         ui.horizontal(|ui| {
             ui.selectable_value(&mut settings.light, LightMode::Product, "Product");

@@ -124,6 +124,8 @@ pub struct Settings {
     pub sun: Sun,
     /// The wind.
     pub breeze: Breeze,
+    /// True to show a person beside the tree.
+    pub person: bool,
     /// True to turn about the tree.
     pub turntable: bool,
     /// Trees in the forest.
@@ -146,6 +148,7 @@ impl Default for Settings {
             light: LightMode::Product,
             sun: Sun::default(),
             breeze: Breeze::default(),
+            person: false,
             turntable: false,
             trees: 400,
             adapt: true,

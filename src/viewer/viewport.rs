@@ -5,6 +5,8 @@ use super::canvas::{Canvas, Woods};
 use super::keys;
 use super::level::Choice;
 use super::pace::{Frames, Pace, Quality, REST};
+use super::person;
+use super::projection::Projection;
 use super::rig::{Rig, Stance, Steps};
 use super::settings::{Arrangement, Settings};
 use super::stage::{Cast, Shown, Stage};
@@ -13,7 +15,7 @@ use crate::gpu::GpuError;
 use crate::image::Image;
 use crate::math::{TAU, Vec3, float, round_to_u32};
 use crate::render::forest::ForestError;
-use crate::render::{Camera, Maker, Model, Scene};
+use crate::render::{Maker, Model, Scene};
 use eframe::egui::{self, Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use std::time::Duration;
@@ -220,8 +222,17 @@ impl Viewport {
             ui.painter().image(id, rect, whole, Color32::WHITE);
         }
         self.label_strip(ui, rect, settings, subject);
+        if settings.person && settings.arrangement == Arrangement::Single {
+            person::draw(ui, &self.projection(rect));
+        }
         drawn?;
         Ok(response)
+    }
+
+    /// What is seen where, in a picture that fills `rect`.
+    #[must_use]
+    pub fn projection(&self, rect: Rect) -> Projection {
+        Projection::new(self.rig.camera(), rect)
     }
 
     /// Mouse, held keys and clocks.
@@ -332,9 +343,9 @@ impl Viewport {
     /// Writes under each tree of a strip which LOD it is.
     fn label_strip(&mut self, ui: &Ui, rect: Rect, settings: &Settings, subject: &Subject) {
         let places = self.stage.strip_places(&cast(subject), settings);
-        let camera = self.rig.camera();
+        let projection = self.projection(rect);
         for (index, (place, lod)) in places.iter().zip(&subject.lods).enumerate() {
-            if let Some(at) = on_screen(&camera, rect, *place) {
+            if let Some(at) = projection.seen(*place) {
                 let text = format!("LOD {index}\n{} triangles", grouped(lod.triangles));
                 write(ui, at + vec2(0.0, 10.0), egui::Align2::CENTER_TOP, &text);
             }
@@ -395,19 +406,8 @@ fn steps(ui: &Ui) -> Steps {
     })
 }
 
-/// Where a point of the world is seen, if it is before the camera.
-fn on_screen(camera: &Camera, rect: Rect, point: Vec3) -> Option<Pos2> {
-    if (point - camera.eye).dot(camera.forward()) <= 0.0 {
-        return None;
-    }
-    let projection = camera.view_projection(rect.width() / rect.height().max(1.0));
-    let clip = projection.project_point3(point);
-    let at = rect.center() + vec2(clip.x * rect.width() * 0.5, -clip.y * rect.height() * 0.5);
-    rect.contains(at).then_some(at)
-}
-
 /// Text that can be read over any picture.
-pub(super) fn write(ui: &Ui, at: Pos2, align: egui::Align2, text: &str) {
+pub(crate) fn write(ui: &Ui, at: Pos2, align: egui::Align2, text: &str) {
     let font = egui::FontId::proportional(13.0);
     let painter = ui.painter();
     let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
@@ -443,22 +443,6 @@ mod tests {
         ] {
             assert_eq!(grouped(number), expected);
         }
-    }
-
-    #[test]
-    fn a_point_is_written_where_it_is_seen() {
-        let camera = Camera {
-            eye: Vec3::new(0.0, 2.0, 10.0),
-            target: Vec3::new(0.0, 2.0, 0.0),
-            lens: crate::render::Lens::Perspective(0.8),
-        };
-        let rect = Rect::from_min_size(pos2(100.0, 50.0), vec2(300.0, 200.0));
-        let middle = on_screen(&camera, rect, camera.target).unwrap();
-        assert!((middle - rect.center()).length() < 0.01);
-        let low = on_screen(&camera, rect, Vec3::new(1.0, 0.0, 0.0)).unwrap();
-        assert!(low.x > middle.x && low.y > middle.y);
-        assert_eq!(on_screen(&camera, rect, Vec3::new(0.0, 2.0, 20.0)), None);
-        assert_eq!(on_screen(&camera, rect, Vec3::new(90.0, 0.0, 0.0)), None);
     }
 
     #[test]

@@ -1,0 +1,210 @@
+//! The picture of the tree as a place to work in: picking, handles, the envelope and the person.
+
+use super::{Outcome, PATIENCE, Window, click, on, picture, press, text, until};
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers, Pos2, Rect, Vec2, vec2};
+use egui_kittest::kittest::Queryable as _;
+use pleach::studio::{Studio, templates};
+use std::time::{Duration, Instant};
+
+/// A window on a script whose tree is there.
+fn grown(script: &str) -> Result<Window, libtest_mimic::Failed> {
+    let mut window = on(script);
+    until(&mut window, "the tree", |s| s.subject().is_some())?;
+    window.run_steps(4);
+    Ok(window)
+}
+
+fn view(window: &Window) -> Rect {
+    window.get_by_label("View of My tree").rect()
+}
+
+/// Lets the window run until the threads have brought something about.
+fn wait(window: &mut Window, what: &str, so: impl Fn(&Window) -> bool) -> Outcome {
+    let begun = Instant::now();
+    while !so(window) {
+        if begun.elapsed() > PATIENCE {
+            return Err(format!("waited in vain for {what}").into());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+        window.step();
+    }
+    window.run_steps(2);
+    Ok(())
+}
+
+fn handle(window: &Window, label: &str) -> Option<Pos2> {
+    let found = window.query_by_role_and_label(Role::Slider, label);
+    found.map(|node| node.rect().center())
+}
+
+/// Drags from one point of the window to another, in a few steps.
+fn drag(window: &mut Window, from: Pos2, by: Vec2) {
+    window.hover_at(from);
+    window.run_steps(2);
+    window.drag_at(from);
+    window.run_steps(2);
+    for step in 1..=4_u8 {
+        window.hover_at(from + by * (f32::from(step) / 4.0));
+        window.run_steps(2);
+    }
+}
+
+fn drop_at(window: &mut Window, at: Pos2) {
+    window.drop_at(at);
+    window.run_steps(3);
+}
+
+/// A click in the picture selects the level of what is there, and hovering tells of it.
+pub(super) fn picks() -> Outcome {
+    let mut window = grown(templates::BLANK)?;
+    let rect = view(&window);
+    click(&mut window, "limbs");
+    wait(&mut window, "handles", |w| {
+        handle(w, "Handle of start").is_some()
+    })?;
+    let links = |window: &Window| {
+        let field = window.query_by_role_and_label(Role::SpinButton, "links");
+        field.is_some()
+    };
+    assert!(links(&window), "it is the limbs' page");
+    // Below the first limb there is nothing but the trunk.
+    let first = handle(&window, "Handle of start").expect("it is there");
+    let foot = first + vec2(-4.0, 70.0);
+    window.hover_at(foot);
+    wait(&mut window, "what is under the pointer", |w| {
+        w.query_by_label("6.00 m long, radius 14 cm").is_some()
+    })?;
+    picture(&mut window, "hovered")?;
+    window.drag_at(foot);
+    window.run_steps(1);
+    drop_at(&mut window, foot);
+    window.hover_at(rect.left_top() + vec2(20.0, 20.0));
+    window.run_steps(8);
+    // Only a trunk has no links.
+    assert!(window.query_by_label("Add flare").is_some());
+    assert!(!links(&window), "it is not the trunk's page");
+    // There is nothing in the sky, and looking changes nothing.
+    assert!(window.query_by_label_contains(" long, ").is_none());
+    assert_eq!(text(&window), templates::BLANK);
+    picture(&mut window, "picked")
+}
+
+/// Handles change a level's angles and positions; each drag is one step, and the camera stays.
+pub(super) fn handles() -> Outcome {
+    let mut window = grown(templates::BLANK)?;
+    click(&mut window, "limbs");
+    wait(&mut window, "handles", |w| {
+        handle(w, "Handle of down").is_some()
+    })?;
+    picture(&mut window, "handles")?;
+    let still = handle(&window, "Handle of start");
+    let at = handle(&window, "Handle of down").expect("it is there");
+    let by = vec2(0.0, 40.0);
+    drag(&mut window, at, by);
+    picture(&mut window, "dragged")?;
+    drop_at(&mut window, at + by);
+    let down = "(at: [(0.3, 70), (1, 25)], vary: 10)";
+    assert!(!text(&window).contains(down), "{}", text(&window));
+    let kept = text(&window).matches(", vary: 10),").count();
+    assert_eq!(kept, 1, "{}", text(&window));
+    assert_eq!(
+        handle(&window, "Handle of start"),
+        still,
+        "the camera turned"
+    );
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(text(&window), templates::BLANK, "it was more than one step");
+
+    wait(&mut window, "the handle of start", |w| {
+        handle(w, "Handle of start") == still
+    })?;
+    let at = still.expect("it is there");
+    let by = vec2(0.0, -50.0);
+    drag(&mut window, at, by);
+    drop_at(&mut window, at + by);
+    let start = text(&window).split("start: ").nth(1);
+    let start: f32 = start
+        .and_then(|rest| rest.split(',').next())
+        .and_then(|number| number.parse().ok())
+        .expect("a number");
+    assert!((0.35..0.6).contains(&start), "{start}");
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(text(&window), templates::BLANK);
+
+    // Keys move it, too.
+    until(&mut window, "the tree", Studio::is_up_to_date)?;
+    picture(&mut window, "undone")?;
+    window
+        .get_by_role_and_label(Role::Slider, "Handle of around")
+        .focus();
+    window.run_steps(2);
+    press(&mut window, Modifiers::NONE, Key::ArrowUp);
+    assert!(
+        text(&window).contains("around: (at: 1, step: 137.5)"),
+        "{}",
+        text(&window)
+    );
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    until(&mut window, "the tree", Studio::is_up_to_date)?;
+    click(&mut window, "leaves");
+    wait(&mut window, "the leaves' handles", |w| {
+        handle(w, "Handle of down").is_some_and(|now| now.distance(at) > 5.0)
+    })?;
+    picture(&mut window, "leaves")?;
+    window.get_by_label("show the selected level").click();
+    window.run_steps(4);
+    assert_eq!(handle(&window, "Handle of around"), None);
+    Ok(())
+}
+
+/// Points of a crown envelope are dragged on both sides of the trunk.
+pub(super) fn crown() -> Outcome {
+    let envelope = "envelope: (height_m: 7, radius_m: [(0.2, 1), (0.5, 2.2), (1, 0.3)])";
+    let script = templates::BLANK.replace("start: 0.3,", &format!("start: 0.3, {envelope},"));
+    let mut window = grown(&script)?;
+    click(&mut window, "limbs");
+    wait(&mut window, "the envelope", |w| {
+        handle(w, "Envelope point 2, right").is_some()
+    })?;
+    picture(&mut window, "crown")?;
+    for (label, by) in [
+        ("Envelope point 2, right", vec2(-30.0, 0.0)),
+        ("Envelope point 2, left", vec2(30.0, 0.0)),
+    ] {
+        let at = handle(&window, label).expect("it is there");
+        drag(&mut window, at, by);
+        drop_at(&mut window, at + by);
+        let moved = handle(&window, label).expect("it is there");
+        assert!(moved.distance(at + by) < 4.0, "{label}: {moved} from {at}");
+        let radius = text(&window).split("radius_m: [(0.2, 1), (0.").nth(1);
+        assert!(
+            radius.is_some() && text(&window).contains("(1, 0.3)])"),
+            "{}",
+            text(&window)
+        );
+        assert!(!text(&window).contains("2.2"), "{}", text(&window));
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+        assert_eq!(text(&window), script, "{label}");
+        until(&mut window, "the tree", Studio::is_up_to_date)?;
+    }
+    Ok(())
+}
+
+/// A large tree is worked on in the same way: its levels are shown, and what is under the pointer is told.
+pub(super) fn oak() -> Outcome {
+    let (_, script) = templates::ALL
+        .iter()
+        .find(|(name, _)| *name == "English oak")
+        .expect("an oak");
+    let mut window = on(script);
+    until(&mut window, "the tree", Studio::is_up_to_date)?;
+    for level in ["trunk", "limbs", "branchlets", "twigs", "tufts"] {
+        click(&mut window, level);
+        wait(&mut window, "handles", |w| {
+            level == "trunk" || handle(w, "Handle of down").is_some()
+        })?;
+        picture(&mut window, &format!("oak_{level}"))?;
+    }
+    Ok(())
+}
