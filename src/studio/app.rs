@@ -3,6 +3,7 @@
 use super::document::Document;
 use super::form::Change;
 use super::growing::{Grown, Sketches};
+use super::judging::Judging;
 use super::panes::{Pane, Panes, dock};
 use super::pictures::Pictures;
 use super::questions::Question;
@@ -108,6 +109,7 @@ pub struct Studio {
     closing: bool,
     title: String,
     pictures: Pictures,
+    pub(super) judging: Judging,
 }
 
 impl std::fmt::Debug for Studio {
@@ -151,7 +153,8 @@ impl Studio {
             sketches: Arc::default(),
             grower: Loader::start("grow", wake.clone())?,
             due: None,
-            writer: Loader::start("write", wake)?,
+            writer: Loader::start("write", wake.clone())?,
+            judging: Judging::start(wake)?,
             watch,
             watched,
             selected: String::new(),
@@ -419,9 +422,10 @@ impl Studio {
             settings: &mut self.settings,
             view: &mut self.view,
             subject: shown.as_deref().map(|g| &g.subject),
-            whole: grown.as_deref().map(|g| &g.subject),
+            grown: grown.as_ref(),
             number: self.number,
             pictures: &mut self.pictures,
+            judging: &mut self.judging,
             busy: self.grower.stage().or_else(|| self.writer.stage()),
             fault: None,
             frame: false,

@@ -38,6 +38,7 @@ impl Studio {
     pub(super) fn renew(&mut self) {
         self.keep();
         self.grower.stop();
+        self.judging.stop();
         if self.document.reading().species.is_ok() {
             self.sketch();
             self.due = Some(Instant::now() + REST);

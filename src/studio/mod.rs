@@ -7,16 +7,20 @@
 
 pub mod adding;
 mod app;
+mod budgets;
 mod curve;
 pub mod document;
 pub mod form;
 mod growing;
 pub mod history;
+mod judging;
+mod lods;
 mod menu;
 pub mod outline;
 mod panes;
 mod parts;
 mod pictures;
+mod priorities;
 mod questions;
 pub mod recovery;
 mod script;

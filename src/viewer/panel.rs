@@ -5,6 +5,7 @@ use super::level::Choice;
 use super::pace::{Frames, KEPT};
 use super::rig::Stance;
 use super::settings::{Arrangement, Breeze, LOWEST_SUN, Settings, VIEWS};
+use super::split;
 use super::subject::Subject;
 use super::viewport::{Viewport, grouped};
 use crate::math::float;
@@ -123,6 +124,7 @@ fn lods(ui: &mut Ui, settings: &mut Settings, view: &Viewport, subject: &Subject
                 ));
         }
     });
+    split::toggle(ui, settings);
     ui.add_space(4.0);
     let single = settings.arrangement == Arrangement::Single;
     if let Some(lod) = subject.lods.get(shown.lod).filter(|_| single) {
