@@ -418,7 +418,11 @@ fn picture(window: &mut Window, name: &str) -> Outcome {
 
 /// Opens the pane of LODs and waits for all that is in it.
 fn judged(window: &mut Window) -> Outcome {
-    let shown = |window: &Window| window.query_by_label("quick: 6 views at 128 px").is_some();
+    let shown = |window: &Window| {
+        window
+            .query_by_label("quick: 6 views at 128 to 16 px")
+            .is_some()
+    };
     let begun = Instant::now();
     while !shown(window) {
         if begun.elapsed() > PATIENCE {
@@ -470,9 +474,29 @@ fn lods() -> Outcome {
     );
     click(&mut window, "Add a budget after 2");
     click(&mut window, "Remove budget 5");
+    window.get_by_label("Try Branches earlier").scroll_to_me();
+    window.run_steps(8);
+    picture(&mut window, "lods_lower")?;
     click(&mut window, "Try Branches earlier");
     assert!(
         text(&window).contains("priorities: [Branches, Splines, Levels]"),
+        "{}",
+        text(&window)
+    );
+    // By the mouse: the first onto the last.
+    let place = |window: &Window, label: &str| window.get_by_label(label).rect().center();
+    let [from, to] = ["Branches, place 1 of 3", "Levels, place 3 of 3"].map(|l| place(&window, l));
+    window.drag_at(from);
+    window.run_steps(2);
+    window.hover_at(from + vec2(20.0, 2.0));
+    window.run_steps(2);
+    window.hover_at(to);
+    window.run_steps(2);
+    picture(&mut window, "lods_dragged")?;
+    window.drop_at(to);
+    window.run_steps(3);
+    assert!(
+        text(&window).contains("priorities: [Splines, Levels, Branches]"),
         "{}",
         text(&window)
     );

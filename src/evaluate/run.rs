@@ -43,7 +43,7 @@ impl Settings {
         Self {
             side_views: 4,
             aerial_views: 2,
-            heights: vec![128],
+            heights: vec![128, 64, 32, 16],
             only_lods: true,
             ..Self::default()
         }

@@ -43,12 +43,13 @@ impl Protocol {
     pub(super) fn words(self) -> String {
         let settings = self.settings();
         let views = settings.side_views + settings.aerial_views;
-        let heights: Vec<String> = settings.heights.iter().map(ToString::to_string).collect();
+        let (most, least) = (settings.heights.iter().max(), settings.heights.iter().min());
+        let [most, least] = [most, least].map(|height| height.copied().unwrap_or_default());
         let name = match self {
             Self::Quick => "quick",
             Self::Full => "in full",
         };
-        format!("{name}: {views} views at {} px", heights.join(", "))
+        format!("{name}: {views} views at {most} to {least} px")
     }
 }
 
@@ -286,7 +287,7 @@ mod tests {
     use crate::studio::templates::BLANK;
 
     #[test]
-    fn a_quick_look_needs_no_second_tree_and_names_every_lod() {
+    fn a_tree_is_looked_at_as_the_program_does_without_a_second_tree() {
         let species = species::parse("blank", BLANK, &NoFiles).unwrap();
         let grow =
             |settings: &Settings| pipeline::generate(&species, settings, &NoFiles, &Quiet).unwrap();
@@ -316,6 +317,15 @@ mod tests {
         assert_eq!(ours.len(), asset.lods.len());
         let theirs = figures(evaluate::Subject::of_asset(&whole, false));
         assert_eq!(ours, theirs);
+        let small = preview::Settings {
+            size: [20, 24],
+            ..preview::Settings::default()
+        };
+        let pictures = preview::pictures(&asset.drawable(), &small, &Quiet).unwrap();
+        for (lod, picture) in pictures.iter().enumerate() {
+            let alone = preview::Settings { lod, ..small };
+            assert_eq!(*picture, preview::picture(&asset.drawable(), &alone));
+        }
         let parts = atlas(&asset);
         assert!(parts.iter().all(|&p| p > 0.0 && p < 1.0), "{parts:?}");
     }

@@ -14,6 +14,7 @@ pub mod form;
 mod growing;
 pub mod history;
 mod judging;
+mod lod_table;
 mod lods;
 mod menu;
 pub mod outline;

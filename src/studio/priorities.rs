@@ -13,14 +13,17 @@ struct Dragged(usize);
 
 /// The selector and the order as widgets; what they ask for goes into `changes`.
 pub(super) fn ui(ui: &mut Ui, (root, lod): (&Node, &Lod), changes: &mut Vec<Change>) {
-    ui.horizontal_wrapped(|ui| selector(ui, lod.selector, changes));
     ui.horizontal_wrapped(|ui| {
-        let label = ui.label("simplified in this order");
+        selector(ui, lod.selector, changes);
+        let label = ui.label("and simplified in this order");
         label.on_hover_text(
             "Where LODs go level by level, the outermost levels are simplified first. At each depth these are tried in \
              turn until the budget is met. Whether Splines or Branches come first is what matters: Levels closes a \
              whole level once there is nothing else left, wherever it stands.",
         );
+    });
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
         let count = lod.priorities.len();
         for (index, what) in lod.priorities.iter().enumerate() {
             if let Some([from, to]) = item(ui, index, count, *what) {
@@ -33,7 +36,7 @@ pub(super) fn ui(ui: &mut Ui, (root, lod): (&Node, &Lod), changes: &mut Vec<Chan
 }
 
 fn selector(ui: &mut Ui, now: LodSelector, changes: &mut Vec<Change>) {
-    let label = ui.label("chosen");
+    let label = ui.label("LODs chosen");
     let combo = ComboBox::from_id_salt("selector")
         .selected_text(selector_words(now).0)
         .show_ui(ui, |ui| {
@@ -91,12 +94,16 @@ fn item(ui: &mut Ui, index: usize, count: usize, what: Simplification) -> Option
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             let id = Id::unique(("simplification", index));
-            ui.dnd_drag_source(id, Dragged(index), |ui| {
+            let source = ui.dnd_drag_source(id, Dragged(index), |ui| {
                 let text = RichText::new(format!("{}. {name}", index + 1));
                 ui.add(egui::Label::new(text).selectable(false))
-            })
-            .response
-            .on_hover_text(format!("{}. Drag it onto another.", meaning(what)));
+            });
+            source.response.widget_info(|| {
+                let place = format!("{name}, place {} of {count}", index + 1);
+                egui::WidgetInfo::labeled(egui::Role::Label, true, place)
+            });
+            let meaning = format!("{}. Drag it onto another.", meaning(what));
+            source.response.on_hover_text(meaning);
             if named(ui, "<", &format!("Try {name} earlier"), index > 0) {
                 wanted = Some([index, index - 1]);
             }

@@ -24,14 +24,16 @@ pub struct Asked {
     pub shot: bool,
 }
 
-/// Brightness of text: egui's own is hard to read over a long day.
+/// Brightness of text on dark: egui's own is hard to read over a long day.
 const TEXT: u8 = 195;
 
 /// How all of the window looks.
 pub fn style(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.all_styles_mut(|style| {
-        style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(TEXT);
+        if style.visuals.dark_mode {
+            style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(TEXT);
+        }
         style.spacing.item_spacing.y = 3.0;
     });
 }
