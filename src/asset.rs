@@ -2,10 +2,11 @@
 
 use crate::image::atlas::Rect;
 use crate::image::{Image, Texel, mips, steady};
-use crate::lod::Triangles;
+use crate::impostor::cross_quad::CrossQuads;
+use crate::lod::{State, Triangles};
 use crate::math::{Bounds, Vec3, byte_from_unit, linear_from_srgb};
-use crate::mesh::Mesh;
-use crate::mesh::card::Relief;
+use crate::mesh::card::{Pane, Relief};
+use crate::mesh::{Coat, Flattener, Mesh, TooLarge};
 use crate::report::Warning;
 use crate::shadow::Shadows;
 use crate::species::schema::LodSelector;
@@ -46,6 +47,10 @@ pub struct TreeAsset {
     pub rects: Vec<Rect>,
     /// Captures in the atlas with their real sizes.
     pub reliefs: Vec<Relief>,
+    /// By leaf kind: its picture in the atlas.
+    pub leaves: Vec<Pane>,
+    /// How bark lies on its branches.
+    pub coat: Coat,
     /// For each sub-tree that has captures, what was done to their colours.
     pub tones: Vec<Tone>,
     /// Nine soft ground shadows.
@@ -133,6 +138,17 @@ impl TreeAsset {
             shadows: &self.shadows,
             wind: self.wind,
         }
+    }
+
+    /// Every branch at its finest, every leaf a card, with uv into the two surfaces and without sway: what LODs are
+    /// compared with where none of them is that fine.
+    ///
+    /// # Errors
+    /// If 32-bit indices cannot address it.
+    pub fn full_detail(&self) -> Result<Mesh, TooLarge> {
+        let quads = CrossQuads::none(&self.tree, self.leaves.clone());
+        let form = quads.form(&self.tree, &State::full(&self.tree), self.coat);
+        Flattener::new(&self.tree, &form).tree()
     }
 }
 

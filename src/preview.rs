@@ -12,6 +12,7 @@ use crate::asset::Drawable;
 use crate::capture::{ALPHA_CUTOFF, Foliage, Occlusion, Seen, Textures, View, Visibility};
 use crate::image::{Image, Texel, mips};
 use crate::math::{Bounds, Vec2, Vec3, float, lerp, smoothstep, srgb_from_linear};
+use crate::report::{Cancelled, Progress};
 use crate::shadow;
 use rayon::prelude::*;
 
@@ -59,7 +60,30 @@ const SHADE_CELLS: u32 = 40;
 #[must_use]
 pub fn picture(tree: &Drawable<'_>, settings: &Settings) -> Image<[u8; 3]> {
     let stage = Stage::new(tree, settings);
-    stage.draw(&framed(tree, settings))
+    stage.draw(&framed(tree, settings), settings.lod)
+}
+
+/// A picture of each LOD under the same camera, the finest first, whichever `settings` names.
+///
+/// # Errors
+/// If `progress` was cancelled.
+pub fn pictures(
+    tree: &Drawable<'_>,
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Vec<Image<[u8; 3]>>, Cancelled> {
+    progress.begin("pictures", tree.lods.len() as u64);
+    let stage = Stage::new(tree, settings);
+    let view = framed(tree, settings);
+    let drawn = (0..tree.lods.len()).map(|lod| {
+        if progress.cancelled() {
+            return Err(Cancelled);
+        }
+        let picture = stage.draw(&view, lod);
+        progress.step();
+        Ok(picture)
+    });
+    drawn.collect()
 }
 
 /// The samples of such a picture: a camera framed around the finest LOD as it is seen.
@@ -138,12 +162,10 @@ struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     fn new(tree: &'a Drawable<'a>, settings: &'a Settings) -> Self {
-        let mesh = tree.lods[settings.lod.min(tree.lods.len() - 1)].0;
         // The finest LOD shades all of them, so that a strip compares shapes and not light.
         let mut shade = Occlusion::of(tree.lods[0].0);
         shade.refine(tree.lods[0].0, SHADE_CELLS);
         let sun = settings.sun.normalize_or(Vec3::Y);
-        debug_assert!(!mesh.bounds().is_empty(), "a LOD draws something");
         Self {
             tree,
             settings,
@@ -156,8 +178,9 @@ impl<'a> Stage<'a> {
         }
     }
 
-    fn draw(&self, view: &View) -> Image<[u8; 3]> {
-        let mesh = self.tree.lods[self.settings.lod.min(self.tree.lods.len() - 1)].0;
+    fn draw(&self, view: &View, lod: usize) -> Image<[u8; 3]> {
+        let mesh = self.tree.lods[lod.min(self.tree.lods.len() - 1)].0;
+        debug_assert!(!mesh.bounds().is_empty(), "a LOD draws something");
         let textures = Textures {
             bark: &self.bark,
             foliage: &self.foliage,

@@ -18,7 +18,7 @@ use pleach::mesh::card::{Pane, leaf};
 use pleach::mesh::{Mesh, Primitive};
 use pleach::pack::{self, Options, Replace};
 use pleach::pipeline;
-use pleach::report::Quiet;
+use pleach::report::{Progress, Quiet};
 use pleach::species::{self, NoFiles};
 
 /// Few and small pictures.
@@ -444,4 +444,50 @@ fn faults_of_the_command_line_are_told_before_the_work() {
     program(&["evaluate", utf8(&folder), "--seed", "4"]).ends(2, &["its own seed"]);
     fs::write(folder.join("species.ron"), "(").expect("damaged");
     program(&["evaluate", utf8(&folder)]).ends(1, &["species.ron"]);
+}
+
+/// Cancels once a stage has begun.
+struct Until(&'static str, std::sync::atomic::AtomicBool);
+
+impl Progress for Until {
+    fn begin(&self, stage: &'static str, _steps: u64) {
+        if stage == self.0 {
+            self.1.store(true, std::sync::atomic::Ordering::Relaxed);
+        }
+    }
+
+    fn step(&self) {}
+
+    fn cancelled(&self) -> bool {
+        self.1.load(std::sync::atomic::Ordering::Relaxed)
+    }
+}
+
+#[test]
+fn every_stage_ends_when_it_is_told_to() {
+    let asset = grown(&small(), &[200]);
+    let subject = Subject::of_asset(&asset, false);
+    for stage in ["rivals", "comparing", "moving"] {
+        let until = Until(stage, false.into());
+        assert!(evaluate(&subject, &few(), &until).is_err(), "{stage}");
+    }
+    assert!(evaluate(&subject, &few(), &Until("none", false.into())).is_ok());
+}
+
+#[test]
+fn a_first_look_gives_the_same_figures_of_the_lods_alone() {
+    let asset = grown(&small(), &[200, 4]);
+    let subject = Subject::of_asset(&asset, false);
+    let only = Settings {
+        only_lods: true,
+        ..few()
+    };
+    let look = evaluate(&subject, &only, &Quiet).expect("nobody cancels");
+    let whole = judged(&subject);
+    assert!(look.orbit_flip.is_nan() && !whole.orbit_flip.is_nan());
+    assert_eq!(look.models.len(), subject.lods.len());
+    for (model, other) in look.models.iter().zip(&whole.models) {
+        assert_eq!((&model.label, &model.scores), (&other.label, &other.scores));
+        assert!(!model.rival && model.pop.is_none() && model.flicker.is_none());
+    }
 }

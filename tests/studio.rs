@@ -9,7 +9,7 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, vec2};
 use eframe::egui_wgpu::RendererOptions;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
 use libtest_mimic::Failed;
 use pleach::pipeline::{self, Settings};
@@ -17,6 +17,7 @@ use pleach::report::Quiet;
 use pleach::species::{self, NoFiles};
 use pleach::studio::document::Document;
 use pleach::studio::{Begin, Studio, recovery, templates};
+use pleach::viewer::split;
 use pleach::{pack, viewer};
 use std::fs;
 use std::path::Path;
@@ -57,6 +58,8 @@ fn main() -> ExitCode {
             "levels_of_a_large_tree_are_shown_in_the_picture",
             studio_view::oak,
         ),
+        ("lods_are_measured_and_their_budgets_changed", lods),
+        ("two_lods_are_compared_beside_a_line", compared),
     ])
 }
 
@@ -571,5 +574,141 @@ fn picture(window: &mut Window, name: &str) -> Outcome {
     if let Some(folder) = std::env::var_os("STUDIO_PICTURES") {
         picture.save(Path::new(&folder).join(format!("{name}.png")))?;
     }
+    Ok(())
+}
+
+/// Opens the pane of LODs and waits for all that is in it.
+fn judged(window: &mut Window) -> Outcome {
+    let shown = |window: &Window| {
+        window
+            .query_by_label("quick: 6 views at 128 to 16 px")
+            .is_some()
+    };
+    let begun = Instant::now();
+    while !shown(window) {
+        if begun.elapsed() > PATIENCE {
+            return Err("waited in vain for figures".into());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+        window.step();
+    }
+    window.run_steps(4);
+    Ok(())
+}
+
+/// Budgets of the LODs of the last whole tree.
+fn budgets(studio: &Studio) -> Vec<Option<u64>> {
+    let lods = studio.subject().map(|subject| &subject.lods);
+    lods.into_iter().flatten().map(|lod| lod.budget).collect()
+}
+
+fn lods() -> Outcome {
+    let mut window = on(templates::BLANK);
+    window.get_by_label("LODs").click();
+    until(&mut window, "the tree", |s| s.subject().is_some())?;
+    let made = budgets(window.state());
+    assert!(made.contains(&Some(2_000)), "{made:?}");
+    judged(&mut window)?;
+    picture(&mut window, "lods")?;
+    assert_eq!(text(&window), templates::BLANK, "looking changes nothing");
+    // A part of the silhouette for each LOD, and none for a rival.
+    let figures = |window: &Window| window.query_all_by_label_contains("0.").count();
+    assert!(figures(&window) >= 2 * made.len(), "{}", figures(&window));
+
+    set(&mut window, "Budget 2", 900.0);
+    assert!(
+        text(&window).contains("lod: (budgets: [10000, 900, 400, 8])"),
+        "{}",
+        text(&window)
+    );
+    picture(&mut window, "lods_stale")?;
+    until(&mut window, "the new chain", |s| {
+        budgets(s).contains(&Some(900))
+    })?;
+    judged(&mut window)?;
+    // Budgets fall: what is beyond a neighbour ends before it.
+    set(&mut window, "Budget 2", 50_000.0);
+    assert!(
+        text(&window).contains("[10000, 9999, 400, 8]"),
+        "{}",
+        text(&window)
+    );
+    click(&mut window, "Add a budget after 2");
+    click(&mut window, "Remove budget 5");
+    window.get_by_label("Try Branches earlier").scroll_to_me();
+    window.run_steps(8);
+    picture(&mut window, "lods_lower")?;
+    click(&mut window, "Try Branches earlier");
+    assert!(
+        text(&window).contains("priorities: [Branches, Splines, Levels]"),
+        "{}",
+        text(&window)
+    );
+    // By the mouse: the first onto the last.
+    let place = |window: &Window, label: &str| window.get_by_label(label).rect().center();
+    let [from, to] = ["Branches, place 1 of 3", "Levels, place 3 of 3"].map(|l| place(&window, l));
+    window.drag_at(from);
+    window.run_steps(2);
+    window.hover_at(from + vec2(20.0, 2.0));
+    window.run_steps(2);
+    window.hover_at(to);
+    window.run_steps(2);
+    picture(&mut window, "lods_dragged")?;
+    window.drop_at(to);
+    window.run_steps(3);
+    assert!(
+        text(&window).contains("priorities: [Splines, Levels, Branches]"),
+        "{}",
+        text(&window)
+    );
+    let species = &window.state().document().reading().species;
+    let found = species.as_ref().map(|s| s.lod.budgets.clone());
+    assert_eq!(found.ok(), Some(vec![10_000, 9_999, 1_999, 400]));
+    undo_all(&mut window);
+    assert_eq!(text(&window), templates::BLANK);
+    until(&mut window, "the first chain", |s| budgets(s) == made)
+}
+
+fn compared() -> Outcome {
+    let mut window = on(templates::BLANK);
+    window.get_by_label("LODs").click();
+    until(&mut window, "the tree", |s| s.subject().is_some())?;
+    judged(&mut window)?;
+    let last = budgets(window.state()).len() - 1;
+    click(&mut window, &format!("Show LOD {last}"));
+    let line = |window: &Window| -> Option<f64> {
+        let line = window.query_by_label(split::NAME);
+        line.and_then(|line| line.accesskit_node().numeric_value())
+    };
+    assert_eq!(line(&window), None);
+    click(&mut window, "Compare with the finest LOD");
+    assert_eq!(line(&window), Some(0.5));
+    picture(&mut window, "compared")?;
+    window.get_by_label(split::NAME).focus();
+    window.run_steps(2);
+    for _ in 0..5 {
+        press(&mut window, Modifiers::NONE, Key::ArrowLeft);
+    }
+    let moved = line(&window).expect("a line");
+    assert!((moved - 0.4).abs() < 1e-3, "{moved}");
+    // By the mouse, and no further than the view.
+    let at = window.get_by_label(split::NAME).rect().center();
+    window.drag_at(at);
+    window.run_steps(2);
+    window.hover_at(at + vec2(90.0, 30.0));
+    window.run_steps(2);
+    let dragged = line(&window).expect("a line");
+    assert!(dragged > moved + 0.05, "{dragged}");
+    picture(&mut window, "compared_dragged")?;
+    window.hover_at(at - vec2(2_000.0, 0.0));
+    window.run_steps(2);
+    window.drop_at(at - vec2(2_000.0, 0.0));
+    window.run_steps(2);
+    assert_eq!(line(&window), Some(0.0));
+    window.get_by_label(split::NAME).set_value_accesskit(0.75);
+    window.run_steps(2);
+    assert_eq!(line(&window), Some(0.75));
+    click(&mut window, "Compare with the finest LOD");
+    assert_eq!(line(&window), None);
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! The models that are compared with the full tree: its LODs, and rivals at the triangles of each.
 
 use super::picture::Skin;
+use super::run::go_on;
 use super::{Model, Settings, Subject, rivals};
 use crate::measure::silhouette::Cutouts;
 use crate::measure::yardstick::Yardstick;
 use crate::mesh::Mesh;
 use crate::report::{Cancelled, Progress};
 use std::borrow::Cow;
-use std::convert::Infallible;
 
 /// A model with what is drawn of it; its scores are still missing.
 pub(super) struct Entrant<'a> {
@@ -44,6 +44,9 @@ pub(super) fn all<'a>(
             is_lod: true,
         })
         .collect();
+    if settings.only_lods {
+        return Ok(entrants);
+    }
     // Full detail has no rival: nobody simplifies to nothing less.
     let budgets: Vec<(u64, u64)> = subject
         .lods
@@ -52,12 +55,9 @@ pub(super) fn all<'a>(
         .collect();
     progress.begin("rivals", budgets.len() as u64);
     let cutouts = &skin.cutouts;
-    let yardstick = Yardstick::new(subject.full, cutouts);
+    let yardstick = Yardstick::while_ok(subject.full, cutouts, || go_on(progress))?;
     for (budget, triangles) in budgets {
-        if progress.cancelled() {
-            return Err(Cancelled);
-        }
-        let (mesh, words) = random(subject, triangles, &yardstick, cutouts);
+        let (mesh, words) = random(subject, triangles, (&yardstick, cutouts), progress)?;
         entrants.push(rival(RANDOM, &words, budget, mesh));
         if settings.rivals {
             entrants.extend(others(subject.full, budget, triangles));
@@ -71,18 +71,18 @@ pub(super) fn all<'a>(
 fn random(
     subject: &Subject<'_>,
     triangles: u64,
-    yardstick: &Yardstick,
-    cutouts: &Cutouts,
-) -> (Mesh, String) {
+    (yardstick, cutouts): (&Yardstick, &Cutouts),
+    progress: &dyn Progress,
+) -> Result<(Mesh, String), Cancelled> {
     let kept = rivals::random(subject.full, triangles, subject.seed, 1.0);
     // All of what was kept is kept again, so that only its leaves' size changes.
     let at = |scale: f32| rivals::random(&kept, kept.triangles(), subject.seed, scale);
     let largest = rivals::leaf_scale(rivals::leaves(&kept), rivals::leaves(subject.full));
     let [low, high] = LEAF_SCALES;
-    let mesh_at = |scale: f32| Ok::<Mesh, Infallible>(at(scale));
-    let Ok(scale) = yardstick.scale(cutouts, [low, largest * high], mesh_at);
+    let mesh_at = |scale: f32| go_on(progress).map(|()| at(scale));
+    let scale = yardstick.scale(cutouts, [low, largest * high], mesh_at)?;
     let words = format!("leaves and branches left out by chance; leaves {scale:.2} times as large");
-    (at(scale), words)
+    Ok((at(scale), words))
 }
 
 #[cfg(feature = "rivals")]

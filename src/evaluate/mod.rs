@@ -25,7 +25,9 @@ pub(crate) mod text;
 pub use gate::faults_above;
 pub use report::html;
 pub use run::{Settings, evaluate};
-pub use subject::{Lod, Look, ReferenceError, Subject, same_atlas, settings_of, with_reference};
+pub use subject::{
+    Lod, Look, ReferenceError, Subject, reference, same_atlas, settings_of, with_reference,
+};
 pub use summary::{
     Judgement, MAX_COVERAGE_ERROR, MIN_IOU, TABLE_HEADER, Verdict, judge, table_rows,
 };

@@ -3,12 +3,13 @@
 
 use super::compare::flip_between;
 use super::picture::Picture;
-use super::run::{Set, mean};
+use super::run::{Set, go_on, mean};
 use super::summary::shown_height;
 use super::{Flicker, Pop};
 use crate::capture::View;
 use crate::math::{PI, Vec3, float, floor_to_u32, round_to_u32};
 use crate::measure::views::Direction;
+use crate::report::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Height of the tree in the orbit, pixels: small enough that single leaves and quads are gone and come back.
@@ -40,33 +41,63 @@ pub(super) struct Motion {
     pub(super) orbit_flip: f32,
 }
 
-/// Draws the LODs, which come first among the models, in motion.
-pub(super) fn motion(set: &Set<'_>) -> Motion {
-    let lods = set.entrants.iter().take_while(|e| e.is_lod).count();
-    let arcs = spread(set, ARCS);
-    let changes: Vec<Vec<Vec<f32>>> = arcs.par_iter().map(|arc| changes(set, arc, lods)).collect();
-    // By model, the full tree first.
-    let of = |model: usize| {
-        changes
-            .iter()
-            .flat_map(move |arc| arc[model].iter().copied())
-    };
-    let orbit_flip = mean(of(0));
-    let flicker = |lod: usize| {
-        let flip = mean(of(lod + 1));
-        Flicker {
-            flip,
-            ratio: flip / orbit_flip,
-            worst_ratio: of(lod + 1).fold(0.0, f32::max) / orbit_flip,
+impl Default for Motion {
+    fn default() -> Self {
+        Self {
+            pops: Vec::new(),
+            flickers: Vec::new(),
+            orbit_flip: f32::NAN,
         }
-    };
-    let is_moving = !arcs.is_empty();
-    Motion {
-        pops: (0..lods).into_par_iter().map(|lod| pop(set, lod)).collect(),
-        flickers: (0..lods)
-            .map(|lod| is_moving.then(|| flicker(lod)))
-            .collect(),
-        orbit_flip,
+    }
+}
+
+impl Motion {
+    /// Draws the LODs, which come first among the models, in motion. Fails if `progress` was cancelled.
+    pub(super) fn of(set: &Set<'_>, progress: &dyn Progress) -> Result<Self, Cancelled> {
+        let lods = set.entrants.iter().take_while(|e| e.is_lod).count();
+        let arcs = spread(set, ARCS);
+        progress.begin("moving", (arcs.len() + lods) as u64);
+        let changes: Result<Vec<Vec<Vec<f32>>>, Cancelled> = arcs
+            .par_iter()
+            .map(|arc| {
+                let changes = changes(set, arc, lods, progress)?;
+                progress.step();
+                Ok(changes)
+            })
+            .collect();
+        let changes = changes?;
+        // By model, the full tree first.
+        let of = |model: usize| {
+            changes
+                .iter()
+                .flat_map(move |arc| arc[model].iter().copied())
+        };
+        let orbit_flip = mean(of(0));
+        let flicker = |lod: usize| {
+            let flip = mean(of(lod + 1));
+            Flicker {
+                flip,
+                ratio: flip / orbit_flip,
+                worst_ratio: of(lod + 1).fold(0.0, f32::max) / orbit_flip,
+            }
+        };
+        let is_moving = !arcs.is_empty();
+        let pops: Result<Vec<Option<Pop>>, Cancelled> = (0..lods)
+            .into_par_iter()
+            .map(|lod| {
+                go_on(progress)?;
+                let pop = pop(set, lod);
+                progress.step();
+                Ok(pop)
+            })
+            .collect();
+        Ok(Self {
+            pops: pops?,
+            flickers: (0..lods)
+                .map(|lod| is_moving.then(|| flicker(lod)))
+                .collect(),
+            orbit_flip,
+        })
     }
 }
 
@@ -80,7 +111,12 @@ fn spread(set: &Set<'_>, count: usize) -> Vec<Direction> {
 }
 
 /// FLIP from each frame of an arc to the next: of the full tree, then of each LOD.
-fn changes(set: &Set<'_>, start: &Direction, lods: usize) -> Vec<Vec<f32>> {
+fn changes(
+    set: &Set<'_>,
+    start: &Direction,
+    lods: usize,
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<f32>>, Cancelled> {
     let frames: Vec<View> = (0..FRAMES)
         .map(|i| Direction {
             azimuth: start.azimuth + STEP_DEGREES * float(i) * PI / 180.0,
@@ -91,10 +127,11 @@ fn changes(set: &Set<'_>, start: &Direction, lods: usize) -> Vec<Vec<f32>> {
     let sitters = core::iter::once(&set.full).chain(&set.sitters[..lods]);
     sitters
         .map(|sitter| {
+            go_on(progress)?;
             let draw = |view: &View| Picture::draw(sitter, &set.light, view, SAMPLES);
             let pictures: Vec<Picture> = frames.iter().map(draw).collect();
             let steps = pictures.windows(2);
-            steps.map(|pair| flip_between(&pair[0], &pair[1])).collect()
+            Ok(steps.map(|pair| flip_between(&pair[0], &pair[1])).collect())
         })
         .collect()
 }

@@ -6,7 +6,7 @@
 use super::compare::{Difference, Outline, compare};
 use super::entrants::{self, Entrant};
 use super::light::Light;
-use super::motion::{Motion, motion};
+use super::motion::Motion;
 use super::picture::{Picture, Sitter, Skin};
 use super::resample::Resamples;
 use super::{Evaluation, Model, Plate, Score, Scores, Subject, plates};
@@ -30,8 +30,24 @@ pub struct Settings {
     /// True to keep pictures of the LODs for the report.
     pub plates: bool,
     /// True to add the rivals of the feature `rivals`; without the feature there are none to add. Leaves left
-    /// out by chance are always compared.
+    /// out by chance are compared without it, too.
     pub rivals: bool,
+    /// True to look at still pictures of the LODs alone: no rival at all, and nothing that moves.
+    pub only_lods: bool,
+}
+
+impl Settings {
+    /// A first look at the LODs, some hundred times quicker than the whole of it: few and small pictures.
+    #[must_use]
+    pub fn quick() -> Self {
+        Self {
+            side_views: 4,
+            aerial_views: 2,
+            heights: vec![128, 64, 32, 16],
+            only_lods: true,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for Settings {
@@ -42,6 +58,7 @@ impl Default for Settings {
             heights: vec![512, 128, 64, 32, 16],
             plates: false,
             rivals: false,
+            only_lods: false,
         }
     }
 }
@@ -105,16 +122,17 @@ pub fn evaluate(
     let shots: Result<Vec<Shot>, Cancelled> = jobs
         .par_iter()
         .map(|&(view, height)| {
-            if progress.cancelled() {
-                return Err(Cancelled);
-            }
-            let shot = set.shot(view, height);
+            let shot = set.shot(view, height, progress)?;
             progress.step();
             Ok(shot)
         })
         .collect();
     let shots = shots?;
-    let motion = motion(&set);
+    let motion = if settings.only_lods {
+        Motion::default()
+    } else {
+        Motion::of(&set, progress)?
+    };
     Ok(evaluation(subject, settings, &entrants, shots, motion))
 }
 
@@ -226,7 +244,9 @@ impl Set<'_> {
         }
     }
 
-    fn shot(&self, view: usize, height: usize) -> Shot {
+    /// Fails if `progress` was cancelled.
+    fn shot(&self, view: usize, height: usize, progress: &dyn Progress) -> Result<Shot, Cancelled> {
+        go_on(progress)?;
         let stand = &self.stands[view];
         let pixel = self.pixel(height);
         let frame = self.view(stand, height);
@@ -240,6 +260,7 @@ impl Set<'_> {
         let mut shown = Vec::new();
         let mut differences = Vec::new();
         for (index, entrant) in self.entrants.iter().enumerate() {
+            go_on(progress)?;
             if !self.is_measured(&entrant.model, height) {
                 differences.push(None);
                 continue;
@@ -263,11 +284,11 @@ impl Set<'_> {
             Vec::new()
         };
         let name = if stand.is_side { "side" } else { "above" };
-        Shot {
+        Ok(Shot {
             differences,
             layers,
             plate: plates::plate(&full, &shown, name, pixels, self.is_largest(height)),
-        }
+        })
     }
 
     /// Fragments to the pixel of the full tree's frame, by model.
@@ -405,6 +426,14 @@ fn score(differences: &[Difference]) -> Score {
         flip_worst: if a.is_nan() { a } else { a.max(b) },
         normal_deg: mean(differences.iter().filter_map(|d| d.normal_deg)),
     }
+}
+
+/// Fails once the work should be given up.
+pub(super) fn go_on(progress: &dyn Progress) -> Result<(), Cancelled> {
+    if progress.cancelled() {
+        return Err(Cancelled);
+    }
+    Ok(())
 }
 
 pub(super) fn mean(values: impl Iterator<Item = f32>) -> f32 {

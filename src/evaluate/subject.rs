@@ -1,7 +1,7 @@
 //! What is evaluated: a full tree and its LODs, from a made tree or from a pack.
 
 use crate::asset::{Surface, TreeAsset};
-use crate::lod::Selector;
+use crate::lod::{Counts, Selector, State};
 use crate::mesh::Mesh;
 use crate::mesh::card::Relief;
 use crate::pack::PackContents;
@@ -110,6 +110,21 @@ pub fn with_reference(
     })
 }
 
+/// The full tree of one that was grown without it as its first LOD: the same that [`with_reference`] has made.
+///
+/// # Errors
+/// If it is too large to be drawn.
+pub fn reference(asset: &TreeAsset) -> Result<Mesh, ReferenceError> {
+    let counts = Counts::of(&asset.tree, 1);
+    let triangles = counts.triangles(&asset.tree, &State::full(&asset.tree));
+    let triangles = triangles.total();
+    let too_large = ReferenceError::TooLarge { triangles };
+    if triangles > LARGEST_REFERENCE {
+        return Err(too_large);
+    }
+    asset.full_detail().map_err(|_| too_large)
+}
+
 /// The settings that make a pack's tree again.
 #[must_use]
 pub fn settings_of(pack: &PackContents) -> pipeline::Settings {
@@ -151,6 +166,15 @@ impl<'a> Subject<'a> {
                 })
                 .collect(),
             look,
+        }
+    }
+
+    /// All LODs of a tree that may lack the full one, against that: `full` is [`reference`] of the same tree.
+    #[must_use]
+    pub fn of_grown(asset: &'a TreeAsset, full: &'a Mesh) -> Self {
+        Self {
+            full,
+            ..Self::of_asset(asset, true)
         }
     }
 

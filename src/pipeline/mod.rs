@@ -280,6 +280,8 @@ pub fn generate_with(
         tones: tones.tones(),
         rects: baked.rects,
         reliefs: baked.quads.reliefs(),
+        leaves: baked.quads.leaves,
+        coat,
         shadows,
         wind,
         warnings,

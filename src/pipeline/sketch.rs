@@ -89,6 +89,7 @@ impl Sketcher {
         swayer.form(&form, &mut mesh);
         let (foliage, wood) = (kept.foliage.clone(), kept.wood.clone());
         let rects = kept.rects.clone();
+        let coat = kept.coat;
         let lod = AssetLod {
             budget: None,
             state: "full detail".to_owned(),
@@ -116,6 +117,8 @@ impl Sketcher {
             bark: wood,
             rects,
             reliefs: Vec::new(),
+            leaves: quads.leaves,
+            coat,
             tones: Vec::new(),
             shadows: Shadows { maps: Vec::new() },
             wind: swayer.rig(),

@@ -6,6 +6,7 @@ use super::drawings::Drawings;
 use super::form::Change;
 use super::growing::{Grown, Sketches};
 use super::hand::Hand;
+use super::judging::Judging;
 use super::panes::{Pane, Panes, dock};
 use super::pictures::Pictures;
 use super::questions::Question;
@@ -120,6 +121,7 @@ pub struct Studio {
     /// How many trees were shown.
     pub(super) shows: u64,
     hand: Hand,
+    pub(super) judging: Judging,
 }
 
 impl std::fmt::Debug for Studio {
@@ -166,6 +168,7 @@ impl Studio {
             due: None,
             writer: Loader::start("write", wake.clone())?,
             hand: Hand::start(wake.clone())?,
+            judging: Judging::start(wake.clone())?,
             watch,
             watched,
             selected: String::new(),
@@ -459,14 +462,15 @@ impl Studio {
             shown: shown.as_ref(),
             subject: shown.as_deref().map(|g| &g.subject),
             hand: &mut self.hand,
-            whole: grown.as_deref().map(|g| &g.subject),
-            number: self.number,
-            pictures: &mut self.pictures,
             closeups: &mut self.closeups,
             drawings: &self.drawings,
             seeds: &mut self.seeds,
             shows: self.shows,
             growing: self.due.is_some() || self.grower.stage().is_some(),
+            grown: grown.as_ref(),
+            number: self.number,
+            pictures: &mut self.pictures,
+            judging: &mut self.judging,
             busy: self.grower.stage().or_else(|| self.writer.stage()),
             fault: None,
             frame: false,

@@ -39,6 +39,7 @@ impl Studio {
         self.keep();
         self.grower.stop();
         self.seeds.stop();
+        self.judging.stop();
         if self.document.reading().species.is_ok() {
             self.sketch();
             self.due = Some(Instant::now() + REST);

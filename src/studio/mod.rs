@@ -7,6 +7,7 @@
 
 pub mod adding;
 mod app;
+mod budgets;
 mod closeups;
 mod crown;
 mod curve;
@@ -18,6 +19,9 @@ mod growing;
 mod hand;
 mod handles;
 pub mod history;
+mod judging;
+mod lod_table;
+mod lods;
 mod marks;
 mod menu;
 mod nearby;
@@ -26,6 +30,7 @@ mod panes;
 mod parts;
 mod picking;
 mod pictures;
+mod priorities;
 mod questions;
 pub mod recovery;
 mod script;

@@ -1,4 +1,4 @@
-//! The panes around the tree: parts, fields, script, LODs.
+//! The panes around the tree: parts, fields, script.
 
 use super::adding;
 use super::app::Order;
@@ -8,6 +8,7 @@ use super::drawings::Drawings;
 use super::form::{self, Change, Sheet};
 use super::growing::Grown;
 use super::hand::{Hand, Scene};
+use super::judging::Judging;
 use super::outline::{self, Page, Section};
 use super::pictures::Pictures;
 use super::script;
@@ -17,7 +18,6 @@ use crate::asset::TreeAsset;
 use crate::render::forest::ForestError;
 use crate::species::fault::Fault;
 use crate::species::syntax::Node;
-use crate::viewer::level::Choice;
 use crate::viewer::loader::Stage;
 use crate::viewer::panel;
 use crate::viewer::settings::{Arrangement, Settings, Sun};
@@ -29,7 +29,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// How often the word of what is being done moves.
-const BUSY: Duration = Duration::from_millis(200);
+pub(super) const BUSY: Duration = Duration::from_millis(200);
 
 /// A part of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,7 +120,7 @@ pub(super) struct Panes<'a> {
     pub(super) shown: Option<&'a Arc<Grown>>,
     pub(super) subject: Option<&'a Subject>,
     /// The last tree with all its LODs.
-    pub(super) whole: Option<&'a Subject>,
+    pub(super) grown: Option<&'a Arc<Grown>>,
     /// Its number.
     pub(super) number: u64,
     pub(super) pictures: &'a mut Pictures,
@@ -131,6 +131,7 @@ pub(super) struct Panes<'a> {
     pub(super) shows: u64,
     /// True while a tree is growing, or about to.
     pub(super) growing: bool,
+    pub(super) judging: &'a mut Judging,
     pub(super) busy: Option<Stage>,
     pub(super) stale: bool,
     pub(super) fault: Option<ForestError>,
@@ -474,60 +475,17 @@ impl Panes<'_> {
         ui: &mut Ui,
         show: impl FnOnce(&mut Pictures, &mut Ui, (u64, &TreeAsset), Sun),
     ) {
-        match self.whole.and_then(Subject::asset) {
+        match self.grown.and_then(|grown| grown.subject.asset()) {
             Some(tree) => show(self.pictures, ui, (self.number, tree), self.settings.sun),
             None => {
                 ui.weak("no tree yet");
             }
         }
     }
-
-    fn lods(&mut self, ui: &mut Ui) {
-        let Some(subject) = self.whole else {
-            ui.weak("no tree yet");
-            return;
-        };
-        egui::Grid::new("lods")
-            .striped(true)
-            .num_columns(4)
-            .show(ui, |ui| {
-                for heading in ["", "triangles", "detail", "until"] {
-                    ui.label(RichText::new(heading).weak());
-                }
-                ui.end_row();
-                for (index, lod) in subject.lods.iter().enumerate() {
-                    let chosen = self.settings.choice == Choice::Fixed(index);
-                    let label = format!("LOD{index}");
-                    if ui.selectable_label(chosen, label).clicked() {
-                        self.settings.choice = if chosen {
-                            Choice::ByDistance
-                        } else {
-                            Choice::Fixed(index)
-                        };
-                    }
-                    ui.label(lod.triangles.to_string());
-                    ui.label(format!("{:.3} m", lod.error_m)).on_hover_text(
-                        "Edge of the blocks over which its coverage is right to a tenth",
-                    );
-                    ui.label(format!("{:.0} %", lod.screen_size * 100.0))
-                        .on_hover_text("Part of the picture's height up to which it may be shown");
-                    ui.end_row();
-                }
-            });
-        if ui
-            .selectable_label(self.settings.choice == Choice::ByDistance, "by distance")
-            .clicked()
-        {
-            self.settings.choice = Choice::ByDistance;
-        }
-        for warning in &subject.warnings {
-            ui.small(format!("warning: {warning}"));
-        }
-    }
 }
 
 /// A small button that says at length what it does; true if it was pressed.
-fn named(ui: &mut Ui, label: &str, what: &str, enabled: bool) -> bool {
+pub(super) fn named(ui: &mut Ui, label: &str, what: &str, enabled: bool) -> bool {
     let button = ui.add_enabled(enabled, egui::Button::new(label).small());
     let button = button.on_hover_text(what);
     button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, what));

@@ -18,11 +18,26 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 pub(super) struct Canvas {
     renderer: Renderer,
     window: Window,
-    picture: Option<Picture>,
-    /// What the picture shows, so that nothing is drawn twice.
-    drawn: Option<(Scene, Woods, [u32; 2])>,
+    /// By [`Side`].
+    sheets: [Sheet; 2],
     /// A forest on the device, and the trees that it was made of.
     forest: Option<(Vec<ForestTree>, Forest)>,
+}
+
+/// What a picture is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// What is to be seen.
+    Main,
+    /// What it is compared with.
+    Finest,
+}
+
+/// A picture, and what it shows, so that nothing is drawn twice.
+#[derive(Debug, Default)]
+struct Sheet {
+    picture: Option<Picture>,
+    drawn: Option<(Scene, Woods, [u32; 2])>,
 }
 
 /// How the trees of a forest are to be drawn.
@@ -71,8 +86,7 @@ impl Canvas {
         Ok(Self {
             renderer: Renderer::new(&gpu, FORMAT)?,
             window: Window(state.clone()),
-            picture: None,
-            drawn: None,
+            sheets: [Sheet::default(), Sheet::default()],
             forest: None,
         })
     }
@@ -89,8 +103,7 @@ impl Canvas {
     /// Why not.
     pub(super) fn show(&mut self, subject: &Subject) -> Result<(), GpuError> {
         self.renderer.replace(0, &subject.drawable())?;
-        self.drawn = None;
-        self.forest = None;
+        self.forget();
         Ok(())
     }
 
@@ -102,8 +115,23 @@ impl Canvas {
     /// Shows this tree from now on.
     pub(super) fn put(&mut self, model: Model) {
         self.renderer.put(0, model);
-        self.drawn = None;
+        self.forget();
+    }
+
+    /// Everything is to be drawn anew.
+    fn forget(&mut self) {
+        for sheet in &mut self.sheets {
+            sheet.drawn = None;
+        }
         self.forest = None;
+    }
+
+    /// Gives the memory of a picture back that is not wanted any more.
+    pub(super) fn let_go(&mut self, side: Side) {
+        let sheet = std::mem::take(&mut self.sheets[side as usize]);
+        if let Some(picture) = sheet.picture {
+            self.window.0.renderer.write().free_texture(&picture.id);
+        }
     }
 
     /// Outermost points of the tree, metres.
@@ -127,13 +155,14 @@ impl Canvas {
         [shrunk(width), shrunk(height)]
     }
 
-    /// Draws a scene, and the trees of a forest, into the picture, unless that shows it already; says how many
-    /// seconds it took.
+    /// Draws a scene, and the trees of a forest, into one of the pictures, unless that shows it already; says how
+    /// many seconds it took.
     ///
     /// # Errors
     /// If the device fails, or the forest is too large for it.
     pub(super) fn draw(
         &mut self,
+        side: Side,
         scene: &Scene,
         (trees, woods): (&[ForestTree], Woods),
         size: [u32; 2],
@@ -142,11 +171,12 @@ impl Canvas {
             drawn == scene && *drawn_size == size && drawn_woods.is_as(&woods)
         };
         let planted = trees.is_empty() || self.forest.as_ref().is_some_and(|(t, _)| t == trees);
-        if size.contains(&0) || planted && self.drawn.as_ref().is_some_and(same) {
+        let drawn = self.sheets[side as usize].drawn.as_ref();
+        if size.contains(&0) || planted && drawn.is_some_and(same) {
             return Ok(None);
         }
         let begun = Instant::now();
-        let view = self.target(size);
+        let view = self.target(side, size);
         self.plant(trees, woods)?;
         let encoder = match &mut self.forest {
             Some((_, forest)) => self.renderer.draw_forest(forest, scene, &view, size),
@@ -156,7 +186,7 @@ impl Canvas {
         // To be told how long it took, and so that no more than one frame waits to be drawn: the answer to a
         // drag would lag behind.
         self.renderer.gpu().finish()?;
-        self.drawn = Some((scene.clone(), woods, size));
+        self.sheets[side as usize].drawn = Some((scene.clone(), woods, size));
         Ok(Some(begun.elapsed().as_secs_f32()))
     }
 
@@ -189,9 +219,10 @@ impl Canvas {
 
     /// What was drawn last.
     #[must_use]
-    pub(super) fn picture(&self) -> Option<TextureId> {
-        self.drawn.as_ref()?;
-        Some(self.picture.as_ref()?.id)
+    pub(super) fn picture(&self, side: Side) -> Option<TextureId> {
+        let sheet = &self.sheets[side as usize];
+        sheet.drawn.as_ref()?;
+        Some(sheet.picture.as_ref()?.id)
     }
 
     /// A scene as a picture to keep.
@@ -226,8 +257,9 @@ impl Canvas {
     }
 
     /// The picture, in this size.
-    fn target(&mut self, size: [u32; 2]) -> wgpu::TextureView {
-        if let Some(picture) = self.picture.as_ref().filter(|p| p.size == size) {
+    fn target(&mut self, side: Side, size: [u32; 2]) -> wgpu::TextureView {
+        let sheet = &mut self.sheets[side as usize];
+        if let Some(picture) = sheet.picture.as_ref().filter(|p| p.size == size) {
             return picture.view.clone();
         }
         let device = &self.renderer.gpu().device;
@@ -248,7 +280,7 @@ impl Canvas {
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let mut egui = self.window.0.renderer.write();
         let linear = wgpu::FilterMode::Linear;
-        let id = match self.picture.take() {
+        let id = match sheet.picture.take() {
             Some(Picture { id, .. }) => {
                 egui.update_egui_texture_from_wgpu_texture(device, &view, linear, id);
                 id
@@ -256,7 +288,7 @@ impl Canvas {
             None => egui.register_native_texture(device, &view, linear),
         };
         drop(egui);
-        self.picture = Some(Picture {
+        sheet.picture = Some(Picture {
             view: view.clone(),
             id,
             size,

@@ -4,7 +4,7 @@
 //! [`Viewport`] is the view alone, to be put into any egui window; [`App`] is the window of `pleach preview`:
 //! a view, the panel beside it, a thread that grows trees ([`loader`]) and one that watches files ([`watch`]).
 //! What can be known without a window is plain data and functions over it: [`settings`], [`rig`] (cameras),
-//! [`level`] and [`stage`] (which tree stands where, with which LOD), [`pace`] (how fine while it moves).
+//! [`level`] and [`stage`] (which tree stands where, with which LOD), [`split`] (two LODs in one picture), [`pace`] (how fine while it moves).
 
 mod app;
 mod canvas;
@@ -18,6 +18,7 @@ pub mod projection;
 pub mod rig;
 pub mod settings;
 pub mod shot;
+pub mod split;
 pub mod stage;
 mod subject;
 mod viewport;

@@ -5,6 +5,7 @@ use super::level::Choice;
 use super::pace::{Frames, KEPT};
 use super::rig::Stance;
 use super::settings::{Arrangement, Breeze, LOWEST_SUN, Settings, VIEWS};
+use super::split;
 use super::subject::Subject;
 use super::viewport::{Viewport, grouped};
 use crate::math::float;
@@ -23,14 +24,16 @@ pub struct Asked {
     pub shot: bool,
 }
 
-/// Brightness of text: egui's own is hard to read over a long day.
+/// Brightness of text on dark: egui's own is hard to read over a long day.
 const TEXT: u8 = 195;
 
 /// How all of the window looks.
 pub fn style(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.all_styles_mut(|style| {
-        style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(TEXT);
+        if style.visuals.dark_mode {
+            style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(TEXT);
+        }
         style.spacing.item_spacing.y = 3.0;
     });
 }
@@ -123,6 +126,7 @@ fn lods(ui: &mut Ui, settings: &mut Settings, view: &Viewport, subject: &Subject
                 ));
         }
     });
+    split::toggle(ui, settings);
     ui.add_space(4.0);
     let single = settings.arrangement == Arrangement::Single;
     if let Some(lod) = subject.lods.get(shown.lod).filter(|_| single) {

@@ -114,6 +114,9 @@ pub struct Settings {
     pub arrangement: Arrangement,
     /// How LODs are chosen.
     pub choice: Choice,
+    /// Where the line between the finest LOD of one tree and the chosen one stands, as a part of the picture's
+    /// width; none if only the chosen one is shown.
+    pub compare: Option<f32>,
     /// What is shown of the trees.
     pub view: ViewMode,
     /// How trees are blended with their backdrop.
@@ -143,6 +146,7 @@ impl Default for Settings {
         Self {
             arrangement: Arrangement::Single,
             choice: Choice::ByDistance,
+            compare: None,
             view: ViewMode::Lit,
             filter: Filter::None,
             light: LightMode::Product,

@@ -1,7 +1,7 @@
 //! The view of a tree, to be put into any egui window: its camera, what the mouse does in it, how fine it is
 //! drawn, and what is written over it.
 
-use super::canvas::{Canvas, Woods};
+use super::canvas::{Canvas, Side, Woods};
 use super::keys;
 use super::level::Choice;
 use super::pace::{Frames, Pace, Quality, REST};
@@ -9,6 +9,7 @@ use super::person;
 use super::projection::Projection;
 use super::rig::{Rig, Stance, Steps};
 use super::settings::{Arrangement, Settings};
+use super::split;
 use super::stage::{Cast, Shown, Stage};
 use super::subject::Subject;
 use crate::gpu::GpuError;
@@ -16,7 +17,7 @@ use crate::image::Image;
 use crate::math::{TAU, Vec3, float, round_to_u32};
 use crate::render::forest::ForestError;
 use crate::render::{Maker, Model, Scene};
-use eframe::egui::{self, Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2};
+use eframe::egui::{self, Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2};
 use eframe::egui_wgpu::RenderState;
 use std::time::Duration;
 
@@ -66,7 +67,7 @@ pub struct Viewport {
     before: Option<f64>,
 }
 
-type Costly = (Arrangement, Choice);
+type Costly = (Arrangement, Choice, bool);
 
 impl Viewport {
     /// A view without a tree.
@@ -217,10 +218,7 @@ impl Viewport {
         }
         self.follow(ui, &response, settings);
         let drawn = self.draw(ui, settings, subject);
-        if let Some(id) = self.canvas.picture() {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(id, rect, whole, Color32::WHITE);
-        }
+        self.paint(ui, &response, settings, subject);
         self.label_strip(ui, rect, settings, subject);
         if settings.person && settings.arrangement == Arrangement::Single {
             person::draw(ui, &self.projection(rect));
@@ -233,6 +231,25 @@ impl Viewport {
     #[must_use]
     pub fn projection(&self, rect: Rect) -> Projection {
         Projection::new(self.rig.camera(), rect)
+    }
+
+    /// Shows what is drawn: one LOD, or two beside a line.
+    fn paint(&self, ui: &Ui, view: &Response, settings: &mut Settings, subject: &Subject) {
+        let rect = view.rect;
+        let Some(main) = self.canvas.picture(Side::Main) else {
+            return;
+        };
+        let finest = self.canvas.picture(Side::Finest);
+        let Some((at, finest)) = split::place(settings).zip(finest) else {
+            ui.painter()
+                .image(main, rect, split::whole(), Color32::WHITE);
+            return;
+        };
+        split::paint(ui, rect, at, [finest, main]);
+        split::label(ui, rect, at, subject, self.shown.lod);
+        if let Some(at) = &mut settings.compare {
+            split::line(ui, rect, view, at);
+        }
     }
 
     /// Mouse, held keys and clocks.
@@ -276,6 +293,8 @@ impl Viewport {
         let settings = Settings {
             help: false,
             panel: false,
+            // The line moves over pictures that stay.
+            compare: settings.compare.map(|_| split::MIDDLE),
             ..*settings
         };
         let now = (self.rig, settings, self.size);
@@ -295,12 +314,13 @@ impl Viewport {
             let left = Duration::from_secs_f64(REST - resting);
             ui.ctx().request_repaint_after(left);
         }
-        let costly = (settings.arrangement, settings.choice);
+        let two = split::place(settings).is_some();
+        let costly = (settings.arrangement, settings.choice, two);
         if self.costly.replace(costly) != Some(costly) {
             self.pace.forget();
         }
         let most = match costly {
-            (Arrangement::Strip, _) | (_, Choice::Fixed(_)) => 0,
+            (Arrangement::Strip, ..) | (_, Choice::Fixed(_), _) => 0,
             _ => cast(subject).coarsest_in_a_hurry(),
         };
         let wanted = if !settings.adapt {
@@ -321,7 +341,17 @@ impl Viewport {
         };
         let trees = self.stage.forest(&cast, settings);
         let woods = woods(settings, wanted.coarser, seconds);
-        if let Some(seconds) = self.canvas.draw(&scene, (trees, woods), size)? {
+        let mut drawn = self.canvas.draw(Side::Main, &scene, (trees, woods), size)?;
+        if two {
+            let finest = split::finest(&scene);
+            let more = self
+                .canvas
+                .draw(Side::Finest, &finest, (&[], woods), size)?;
+            drawn = drawn.map(|seconds| seconds + more.unwrap_or(0.0)).or(more);
+        } else {
+            self.canvas.let_go(Side::Finest);
+        }
+        if let Some(seconds) = drawn {
             self.pace.observe(wanted, seconds);
             if !moves {
                 // What is told beside the picture is that of the frame before; and now that it is known how long it
@@ -432,6 +462,7 @@ pub(super) fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::pos2;
 
     #[test]
     fn numbers_are_grouped() {
