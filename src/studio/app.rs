@@ -1,17 +1,22 @@
 //! The window's state: the document, the panes around it, and the threads that grow and write its tree.
 
+use super::browser::{Browser, Wants};
 use super::document::Document;
+use super::dropping::Copied;
+use super::export::{Exports, Written};
 use super::form::Change;
 use super::growing::{Grown, Sketches};
+use super::kept::{Keeper, Theme};
+use super::palette::Palette;
 use super::panes::{Pane, Panes, dock};
 use super::pictures::Pictures;
 use super::questions::Question;
 use super::recovery::{Journal, Left};
 use super::{menu, outline};
 use crate::gpu::GpuError;
-use crate::pack::{self, Options, Replace};
 use crate::render::forest::ForestError;
 use crate::species::fault::Fault;
+use crate::viewer::keys::Action;
 use crate::viewer::loader::Loader;
 use crate::viewer::settings::Settings;
 use crate::viewer::watch::{Watch, Watched};
@@ -37,6 +42,8 @@ pub struct Begin {
     pub left: Vec<Left>,
     /// Folder that packs are written into.
     pub out: PathBuf,
+    /// Settings that outlive the window.
+    pub kept: Keeper,
     /// True once the program is to end.
     pub stop: fn() -> bool,
 }
@@ -50,6 +57,7 @@ impl Begin {
             notes: None,
             left: Vec::new(),
             out: PathBuf::from("packs"),
+            kept: Keeper::default(),
             stop: || false,
         }
     }
@@ -75,6 +83,13 @@ pub(super) enum Order {
     Redo,
     Select(String),
     Change(Change),
+    Palette,
+    Hints,
+    About,
+    Scale(menu::Scale),
+    Theme(Theme),
+    ForgetRecent,
+    Act(Action),
 }
 
 /// The studio's state.
@@ -82,10 +97,10 @@ pub struct Studio {
     pub(super) document: Document,
     pub(super) journal: Option<Journal>,
     notes: Option<PathBuf>,
-    out: PathBuf,
+    pub(super) out: PathBuf,
     stop: fn() -> bool,
     pub(super) view: Viewport,
-    settings: Settings,
+    pub(super) settings: Settings,
     /// The tree that is shown: often a sketch.
     pub(super) shown: Option<Arc<Grown>>,
     /// The last tree with all its LODs.
@@ -97,7 +112,9 @@ pub struct Studio {
     pub(super) grower: Loader<Grown>,
     /// When the tree is to be grown with all its LODs.
     pub(super) due: Option<Instant>,
-    pub(super) writer: Loader<PathBuf>,
+    pub(super) writer: Loader<Written>,
+    pub(super) exports: Exports,
+    pub(super) copier: Loader<Copied>,
     pub(super) watch: Watch,
     pub(super) watched: Watched,
     selected: String,
@@ -108,6 +125,12 @@ pub struct Studio {
     closing: bool,
     title: String,
     pictures: Pictures,
+    pub(super) kept: Keeper,
+    /// True once the window looks as was kept.
+    pub(super) is_settled: bool,
+    /// The script that was remembered last.
+    pub(super) remembered: Option<PathBuf>,
+    pub(super) shows_hints: bool,
 }
 
 impl std::fmt::Debug for Studio {
@@ -151,7 +174,9 @@ impl Studio {
             sketches: Arc::default(),
             grower: Loader::start("grow", wake.clone())?,
             due: None,
-            writer: Loader::start("write", wake)?,
+            writer: Loader::start("write", wake.clone())?,
+            exports: Exports::default(),
+            copier: Loader::start("copy", wake)?,
             watch,
             watched,
             selected: String::new(),
@@ -162,6 +187,11 @@ impl Studio {
             closing: false,
             title: String::new(),
             pictures: Pictures::default(),
+            // Who keeps nothing would see them each time.
+            shows_hints: begin.kept.keeps() && begin.kept.now.hints,
+            kept: begin.kept,
+            is_settled: false,
+            remembered: None,
         };
         studio.renew();
         Ok(studio)
@@ -185,6 +215,11 @@ impl Studio {
     pub fn is_up_to_date(&self) -> bool {
         let shown = self.shown.as_ref();
         shown.is_some_and(|shown| shown.text == self.document.text())
+    }
+
+    /// Path of the part whose page is shown.
+    pub(super) fn selected(&self) -> &str {
+        &self.selected
     }
 
     /// What is being said.
@@ -223,6 +258,7 @@ impl Studio {
     /// Puts another document in the place of this one.
     pub(super) fn replace(&mut self, document: Document) {
         self.document = document;
+        self.copier.stop();
         self.selected = String::new();
         self.renew();
     }
@@ -253,11 +289,14 @@ impl Studio {
             Order::Save => self.save(ui, None, None),
             Order::SaveAs => self.ask_where(None),
             Order::Open => {
-                let folder = self.document.folder().display().to_string();
-                self.question = Some(Question::Open(folder));
+                let browser = Browser::new(Wants::Script, &self.document.folder(), "");
+                self.question = Some(Question::Open(browser));
+            }
+            Order::Export if self.writer.stage().is_some() => {
+                self.say(ui, "an export is under way; cancel it first, or wait");
             }
             Order::Export => {
-                self.question = Some(Question::Export(self.out.display().to_string()));
+                self.question = Some(Question::Export(Box::new(self.ask_export())));
             }
             Order::Undo => {
                 if self.document.undo() {
@@ -277,6 +316,13 @@ impl Studio {
                     Err(error) => self.say(ui, error.to_string()),
                 }
             }
+            Order::Palette => self.question = Some(Question::Palette(Palette::default())),
+            Order::Hints => self.shows_hints = true,
+            Order::About => self.question = Some(Question::About(self.view.describe())),
+            Order::Scale(scale) => self.scale(ui, scale),
+            Order::Theme(theme) => ui.ctx().set_theme(theme),
+            Order::ForgetRecent => self.kept.now.recent.clear(),
+            Order::Act(action) => self.act(action),
         }
     }
 
@@ -303,50 +349,33 @@ impl Studio {
     }
 
     fn ask_where(&mut self, next: Option<Next>) {
-        let known = self.document.path().map(|p| p.display().to_string());
         let slug = self
             .document
             .reading()
             .species
             .as_ref()
             .map(|s| s.slug.clone());
-        let path = known.unwrap_or_else(|| {
-            let name = slug
-                .unwrap_or_else(|_| "species".to_owned())
-                .replace('-', "_");
-            format!("{name}.ron")
+        let own = self.document.path().and_then(Path::file_name);
+        let name = own.map(|name| name.to_string_lossy().into_owned());
+        let name = name.unwrap_or_else(|| {
+            let slug = slug.unwrap_or_else(|_| "species".to_owned());
+            format!("{}.ron", slug.replace('-', "_"))
         });
-        self.question = Some(Question::SaveAs(path, next));
-    }
-
-    pub(super) fn export(&mut self, ui: &Ui, out: PathBuf) {
-        let Some(grown) = self
-            .grown
-            .clone()
-            .filter(|g| g.text == self.document.text())
-        else {
-            return self.say(ui, "the tree is still growing, or the script is at fault");
-        };
-        self.out.clone_from(&out);
-        self.writer.ask(Box::new(move |progress| {
-            progress.begin("writing", 0);
-            let asset = grown.subject.asset().ok_or("there is no tree to write")?;
-            let name = pack::folder_name(&asset.slug, asset.seed);
-            let files = pack::build(asset, grown.text.as_bytes(), Options::default());
-            let files = files.map_err(|e| e.to_string())?;
-            pack::write(&out, &name, &files, Replace::OwnPacks).map_err(|e| e.to_string())
-        }));
+        let browser = Browser::new(Wants::NewScript, &self.document.folder(), &name);
+        self.question = Some(Question::SaveAs(browser, next));
     }
 }
 
 impl Studio {
     /// One frame of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
+        self.settle(ui);
         self.listen(ui);
         self.rest(ui);
         let mut orders = Vec::new();
         if self.question.is_none() {
             menu::pressed(ui, &mut orders);
+            self.view_keys(ui);
         }
         egui::Panel::top("menu").show(ui, |ui| {
             egui::MenuBar::new().ui(ui, |ui| self.menu(ui, &mut orders));
@@ -363,7 +392,9 @@ impl Studio {
                 self.message = None;
             }
         }
+        self.export_bar(ui);
         self.panes(ui, &mut orders);
+        self.hints(ui);
         for order in orders {
             self.obey(ui, order);
         }
@@ -443,18 +474,6 @@ impl Studio {
         }
         if frame && let Some(shown) = &shown {
             self.view.frame(&shown.subject, &self.settings);
-        }
-    }
-
-    /// Files that are dropped on the window.
-    fn drops(&mut self, ui: &Ui) {
-        let dropped = ui.input(|i| i.raw.dropped_files.clone());
-        let script = dropped.iter().map(|f| f.path().to_owned()).find(|path| {
-            let ending = path.extension().unwrap_or_default();
-            ending.eq_ignore_ascii_case("ron")
-        });
-        if let Some(path) = script {
-            self.obey(ui, Order::Ask(Next::Open(path)));
         }
     }
 

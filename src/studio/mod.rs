@@ -2,25 +2,33 @@
 //!
 //! The script's text is the truth ([`document`]): each panel reads it and changes it by an [`document::Edit`], so
 //! that the text, the panels and the tree cannot disagree, comments survive, and undo covers everything
-//! ([`history`]). [`recovery`] keeps what is unsaved over a kill. Pages are made from the tables of
+//! ([`history`]). [`recovery`] keeps what is unsaved over a kill, [`kept`] what outlives every window. Pages are made from the tables of
 //! [`crate::species::fields`] ([`outline`], [`form`]): a field that the language gets is in the studio at once.
 
 pub mod adding;
 mod app;
+mod browser;
 mod curve;
 pub mod document;
+mod dropping;
+mod export;
 pub mod form;
 mod growing;
 pub mod history;
+pub mod kept;
 mod menu;
 pub mod outline;
+mod palette;
 mod panes;
 mod parts;
 mod pictures;
 mod questions;
 pub mod recovery;
 mod script;
+mod settling;
 pub mod templates;
+mod viewing;
+mod welcome;
 mod window;
 
 pub use app::{Begin, Studio};
