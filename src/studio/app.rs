@@ -1,9 +1,10 @@
 //! The window's state: the document, the panes around it, and the threads that grow and write its tree.
 
-use super::browser::{Browser, Wants};
+use super::browser::Browser;
 use super::document::Document;
 use super::dropping::Copied;
 use super::export::{Exports, Written};
+use super::folder::Wants;
 use super::form::Change;
 use super::growing::{Grown, Sketches};
 use super::kept::{Keeper, Theme};
@@ -24,7 +25,7 @@ use crate::viewer::{StartError, Subject, Viewport};
 use eframe::egui::{self, RichText, Ui};
 use eframe::egui_wgpu::RenderState;
 use egui_tiles::Tree;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -330,40 +331,6 @@ impl Studio {
     fn has_work(&self) -> bool {
         self.document.path().is_some() || self.document.history().undoable().is_some()
     }
-
-    pub(super) fn save(&mut self, ui: &Ui, to: Option<&Path>, next: Option<Next>) {
-        if to.is_none() && self.document.path().is_none() {
-            return self.ask_where(next);
-        }
-        match self.document.save(to) {
-            Ok(()) => {
-                let path = self.document.path().map(|p| p.display().to_string());
-                self.say(ui, format!("{} is saved", path.unwrap_or_default()));
-                self.renew();
-                if let Some(next) = next {
-                    self.go_on(ui, next);
-                }
-            }
-            Err(error) => self.say(ui, format!("cannot be saved: {error}")),
-        }
-    }
-
-    fn ask_where(&mut self, next: Option<Next>) {
-        let slug = self
-            .document
-            .reading()
-            .species
-            .as_ref()
-            .map(|s| s.slug.clone());
-        let own = self.document.path().and_then(Path::file_name);
-        let name = own.map(|name| name.to_string_lossy().into_owned());
-        let name = name.unwrap_or_else(|| {
-            let slug = slug.unwrap_or_else(|_| "species".to_owned());
-            format!("{}.ron", slug.replace('-', "_"))
-        });
-        let browser = Browser::new(Wants::NewScript, &self.document.folder(), &name);
-        self.question = Some(Question::SaveAs(browser, next));
-    }
 }
 
 impl Studio {
@@ -453,7 +420,7 @@ impl Studio {
             whole: grown.as_deref().map(|g| &g.subject),
             number: self.number,
             pictures: &mut self.pictures,
-            busy: self.grower.stage().or_else(|| self.writer.stage()),
+            busy: self.grower.stage(),
             fault: None,
             frame: false,
             orders: Vec::new(),

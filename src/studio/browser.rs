@@ -1,38 +1,19 @@
 //! A path to read from or to write to: typed, or picked from the list of its folder under the field.
 
+use super::folder::{Entry, Wants, absolute, checked, list, matching, parted};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::text_edit::TextEditState;
 use eframe::egui::{self, Key, Modifiers, RichText, Ui};
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 /// Most entries of a folder that are listed: more are found by typing a part of their name.
 const MOST: usize = 500;
 
 /// Height of the list, points.
-const LIST: f32 = 220.0;
+const LIST: f32 = 200.0;
 
 /// The entry that leads out of a folder.
 const UP: &str = "..";
-
-/// What a path is wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wants {
-    /// A script that is there.
-    Script,
-    /// A script to write.
-    NewScript,
-    /// A folder, which may have to be made.
-    Folder,
-}
-
-/// Something in a folder.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Entry {
-    pub(super) name: String,
-    pub(super) is_folder: bool,
-}
 
 /// A field and a list for a path.
 #[derive(Debug)]
@@ -100,7 +81,7 @@ impl Browser {
     /// Goes into a folder; the name of a file that is to be written stays.
     fn enter(&mut self, folder: PathBuf) {
         let name = match self.wants {
-            Wants::NewScript => name_in(&self.text),
+            Wants::NewScript => parted(&self.text).1,
             Wants::Script | Wants::Folder => String::new(),
         };
         self.read(folder);
@@ -321,91 +302,10 @@ fn shown_as(entry: &Entry) -> String {
     }
 }
 
-/// A path that may be taken, or why not.
-fn checked(wants: Wants, typed: &str, mut path: PathBuf) -> Result<PathBuf, String> {
-    match wants {
-        Wants::Script if !path.is_file() => Err(format!("There is no file {}.", path.display())),
-        Wants::NewScript => {
-            if typed.trim().ends_with(std::path::is_separator) {
-                return Err("The file needs a name.".to_owned());
-            }
-            if path.extension().is_none() {
-                path.set_extension("ron");
-            }
-            match path.parent() {
-                Some(folder) if !folder.is_dir() => {
-                    Err(format!("There is no folder {}.", folder.display()))
-                }
-                _ => Ok(path),
-            }
-        }
-        Wants::Folder => match path.ancestors().find(|p| p.exists()) {
-            Some(there) if !there.is_dir() => Err(format!("{} is no folder.", there.display())),
-            _ => Ok(path),
-        },
-        Wants::Script => Ok(path),
-    }
-}
-
-/// A path from the root on, without a separator at its end.
-fn absolute(path: &Path) -> PathBuf {
-    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    whole.components().collect()
-}
-
-/// The file's name at the end of a path; empty behind a separator.
-fn name_in(text: &str) -> String {
-    parted(text).1
-}
-
-/// The folder that a path leads into, and what follows it.
-fn parted(text: &str) -> (PathBuf, String) {
-    let whole = |folder: &str| {
-        let folder = if folder.is_empty() { "." } else { folder };
-        absolute(Path::new(folder))
-    };
-    match text.rfind(std::path::is_separator) {
-        // The separator is one byte on all systems, and stays with the folder: it may be the root.
-        Some(at) => (whole(&text[..=at]), text[at + 1..].to_owned()),
-        None => (whole(""), text.to_owned()),
-    }
-}
-
-/// What a folder holds: sub-folders, then scripts if they are asked for, each by name.
-///
-/// # Errors
-/// If the folder cannot be read.
-pub(super) fn list(folder: &Path, scripts: bool) -> io::Result<Vec<Entry>> {
-    let mut entries: Vec<Entry> = fs::read_dir(folder)?
-        .flatten()
-        .filter_map(|entry| {
-            let name = entry.file_name().into_string().ok()?;
-            let kind = entry.file_type().ok()?;
-            let is_folder = kind.is_dir() || (kind.is_symlink() && entry.path().is_dir());
-            let ending = Path::new(&name).extension().unwrap_or_default();
-            let wanted = is_folder || (scripts && ending.eq_ignore_ascii_case("ron"));
-            wanted.then_some(Entry { name, is_folder })
-        })
-        .collect();
-    entries.sort_by_cached_key(|e| (!e.is_folder, e.name.to_lowercase(), e.name.clone()));
-    Ok(entries)
-}
-
-/// The entries whose names hold what was typed, in any case. Hidden ones are shown once their dot is typed.
-pub(super) fn matching<'e>(
-    entries: &'e [Entry],
-    filter: &str,
-) -> impl Iterator<Item = &'e Entry> + use<'e> {
-    let filter = filter.to_lowercase();
-    entries.iter().filter(move |entry| {
-        let is_hidden = entry.name.starts_with('.') && !filter.starts_with('.');
-        !is_hidden && entry.name.to_lowercase().contains(&filter)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn folder() -> tempfile::TempDir {
         let dir = tempfile::tempdir().unwrap();

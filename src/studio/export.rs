@@ -1,7 +1,8 @@
 //! Packs: what is asked before they are written, and how they are, in a thread of its own.
 
 use super::app::Studio;
-use super::browser::{Browser, Done, Wants};
+use super::browser::{Browser, Done};
+use super::folder::Wants;
 use super::growing::Grown;
 use super::kept::{ATLASES, Export};
 use crate::batch::{self, Item, Observer, Outcome, Plan, RunOptions};
@@ -14,7 +15,6 @@ use crate::species::{self, Beside};
 use crate::viewer::loader::Polled;
 use eframe::egui::{self, Ui};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The question where and how packs are to be written.
@@ -114,17 +114,19 @@ impl Asked {
 
     fn options(&mut self, ui: &mut Ui) {
         let options = &mut self.options;
-        let name = ui.label("Foliage atlas").id;
-        let size = |edge: u32| format!("{edge} x {edge} texels");
-        egui::ComboBox::from_id_salt("atlas size")
-            .selected_text(size(options.atlas_size))
-            .show_ui(ui, |ui| {
-                for edge in ATLASES {
-                    ui.selectable_value(&mut options.atlas_size, edge, size(edge));
-                }
-            })
-            .response
-            .labelled_by(name);
+        ui.horizontal(|ui| {
+            let name = ui.label("Foliage atlas").id;
+            let size = |edge: u32| format!("{edge} x {edge} texels");
+            egui::ComboBox::from_id_salt("atlas size")
+                .selected_text(size(options.atlas_size))
+                .show_ui(ui, |ui| {
+                    for edge in ATLASES {
+                        ui.selectable_value(&mut options.atlas_size, edge, size(edge));
+                    }
+                })
+                .response
+                .labelled_by(name);
+        });
         ui.checkbox(
             &mut options.mips,
             "Mips of the atlas that keep its coverage",
@@ -225,9 +227,12 @@ impl Studio {
 
     /// What is being written, or was written last.
     pub(super) fn export_bar(&mut self, ui: &mut Ui) {
-        if self.writer.stage().is_some() {
+        if let Some(stage) = self.writer.stage() {
             let doing = self.exports.doing.lock();
-            let words = doing.unwrap_or_else(PoisonError::into_inner).clone();
+            let mut words = doing.unwrap_or_else(PoisonError::into_inner).clone();
+            if !["", "writing"].contains(&stage.name) {
+                words += &format!(": {}", stage.name);
+            }
             let mut cancelled = false;
             egui::Panel::bottom("export").show(ui, |ui| {
                 ui.horizontal(|ui| {
@@ -333,8 +338,8 @@ fn several(
     let following = Following {
         progress,
         doing,
-        begun: AtomicUsize::new(0),
         count: plan.items.len(),
+        under_way: Mutex::default(),
     };
     progress.begin("writing", plan.items.len() as u64);
     let options = RunOptions {
@@ -387,19 +392,42 @@ fn item(index: usize, path: &Path, script: String) -> Item {
 struct Following<'a> {
     progress: &'a dyn Progress,
     doing: &'a Mutex<String>,
-    begun: AtomicUsize,
     count: usize,
+    /// How many packs are done, and the names of those that are not.
+    under_way: Mutex<(usize, Vec<String>)>,
+}
+
+impl Following<'_> {
+    fn tell(&self, change: impl FnOnce(&mut usize, &mut Vec<String>)) {
+        let under_way = self.under_way.lock();
+        let (done, names) = &mut *under_way.unwrap_or_else(PoisonError::into_inner);
+        change(done, names);
+        say(self.doing, wording(*done, self.count, names));
+    }
+}
+
+/// How far a batch is, in words.
+fn wording(done: usize, count: usize, names: &[String]) -> String {
+    let number = (done + 1).min(count);
+    let more = match names.len() {
+        0 | 1 => String::new(),
+        several => format!(" and {} more", several - 1),
+    };
+    let name = names.first().map_or("", String::as_str);
+    format!("writing {number} of {count}: {name}{more}")
 }
 
 impl Observer for Following<'_> {
     fn item<'a>(&'a self, _worker: usize, item: &Item) -> Box<dyn Progress + 'a> {
-        let number = self.begun.fetch_add(1, Ordering::Relaxed) + 1;
-        let (count, name) = (self.count, &item.folder);
-        say(self.doing, format!("writing {number} of {count}: {name}"));
+        self.tell(|_, names| names.push(item.folder.clone()));
         Box::new(Within(self.progress))
     }
 
-    fn done(&self, _worker: usize, _item: &Item, _outcome: &Outcome) {
+    fn done(&self, _worker: usize, item: &Item, _outcome: &Outcome) {
+        self.tell(|done, names| {
+            *done += 1;
+            names.retain(|name| *name != item.folder);
+        });
         self.progress.step();
     }
 
@@ -447,5 +475,18 @@ fn show_folder(folder: &Path, unseen: &Arc<Mutex<Option<String>>>, ctx: &egui::C
     if let Err(error) = thread.spawn(wait) {
         let fault = format!("the folder cannot be shown: {error}");
         *unseen.lock().unwrap_or_else(PoisonError::into_inner) = Some(fault);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn how_far_a_batch_is_counts_what_is_done() {
+        let names = ["a-1", "b-2", "c-3"].map(str::to_owned);
+        assert_eq!(wording(0, 4, &names), "writing 1 of 4: a-1 and 2 more");
+        assert_eq!(wording(3, 4, &names[..1]), "writing 4 of 4: a-1");
+        assert_eq!(wording(4, 4, &[]), "writing 4 of 4: ");
     }
 }

@@ -4,15 +4,12 @@
 use super::app::{Next, Order};
 use super::menu::{COMMANDS, Menu};
 use super::templates;
-use super::viewing::OBEYED;
+use super::viewing::is_obeyed;
 use crate::viewer::keys;
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers, RichText, Ui};
 
 /// Height of the list, points.
 const LIST: f32 = 380.0;
-
-/// Part of the list's width that names take; keys stand behind it.
-const NAMES: f32 = 0.66;
 
 /// A line of the palette.
 #[derive(Clone, Debug)]
@@ -54,7 +51,7 @@ pub(super) fn rows(keys: impl Fn(&KeyboardShortcut) -> String) -> Vec<Row> {
         order: Some(Order::Ask(Next::New((*text).to_owned()))),
     });
     let in_view = keys::KEYS.iter().filter_map(|(line, pairs)| {
-        let (_, action) = pairs.first().filter(|(_, action)| OBEYED(*action))?;
+        let (_, action) = pairs.first().filter(|(_, action)| is_obeyed(*action))?;
         let is_one = pairs.iter().all(|(_, other)| other == action);
         Some(Row {
             name: format!("View: {}", line.does),
@@ -101,22 +98,25 @@ impl Palette {
         }
         ui.add_space(4.0);
         let area = egui::ScrollArea::vertical().auto_shrink(false);
-        area.max_height(LIST).show(ui, |ui| {
+        let rows = |ui: &mut Ui| {
             let mut number = 0;
-            for row in found {
+            for row in &found {
                 let is_chosen = row.order.is_some() && number == self.chosen;
                 number += usize::from(row.order.is_some());
                 let response = line(ui, row, is_chosen);
-                if is_chosen && (before != self.chosen || run) {
+                if is_chosen && before != self.chosen {
                     response.scroll_to_me(None);
                 }
                 if response.clicked() || (is_chosen && run) {
                     asked.clone_from(&row.order);
                 }
             }
-            if number == 0 {
-                ui.weak("No command is called so.");
+            if found.is_empty() {
+                ui.weak("Nothing is called so.");
             }
+        };
+        area.max_height(LIST).show(ui, |ui| {
+            ui.with_layout(egui::Layout::top_down_justified(egui::Align::LEFT), rows);
         });
         asked
     }
@@ -140,23 +140,11 @@ impl Palette {
     }
 }
 
+/// A row over the whole width; what can only be done by hand cannot be pressed.
 fn line(ui: &mut Ui, row: &Row, is_chosen: bool) -> egui::Response {
-    let width = ui.available_width();
-    let button = ui.scope(|ui| {
-        ui.set_min_width(width);
-        ui.horizontal(|ui| {
-            let button = match &row.order {
-                Some(_) => ui.selectable_label(is_chosen, &row.name),
-                None => ui.weak(&row.name),
-            };
-            let keys = width * NAMES - button.rect.width();
-            ui.add_space(keys.max(8.0));
-            ui.label(RichText::new(&row.keys).weak());
-            button
-        })
-        .inner
-    });
-    button.inner
+    let keys = RichText::new(&row.keys).weak();
+    let button = egui::Button::selectable(is_chosen, &*row.name).shortcut_text(keys);
+    ui.add_enabled(row.order.is_some(), button)
 }
 
 #[cfg(test)]

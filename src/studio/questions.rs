@@ -10,6 +10,9 @@ use super::recovery::Left;
 use eframe::egui::{self, Ui};
 use std::path::{Path, PathBuf};
 
+/// Room around a question, points.
+const MARGIN: f32 = 12.0;
+
 /// A question that is to be answered before anything else.
 #[derive(Debug)]
 pub(super) enum Question {
@@ -39,9 +42,13 @@ impl Studio {
             return;
         };
         let mut answer = None;
-        let modal = egui::Modal::new(egui::Id::unique("studio question")).show(ui.ctx(), |ui| {
-            ui.set_max_width(width(&question));
-            answer = asked(ui, question);
+        let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
+        let room = ui.ctx().content_rect().size() - egui::Vec2::splat(4.0 * MARGIN);
+        let modal = egui::Modal::new(egui::Id::unique("studio question")).frame(frame);
+        let modal = modal.show(ui.ctx(), |ui| {
+            ui.set_max_width(width(&question).min(room.x));
+            let area = egui::ScrollArea::vertical().max_height(room.y);
+            area.show(ui, |ui| answer = asked(ui, question));
         });
         let Some(answer) = answer else {
             return;

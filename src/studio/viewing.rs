@@ -7,21 +7,22 @@ use crate::viewer::settings::Arrangement;
 use eframe::egui::Ui;
 
 /// True for what the studio does: it has a help of its own, and no other window to close or to hide.
-pub(super) const OBEYED: fn(Action) -> bool = |action| {
+pub(super) fn is_obeyed(action: Action) -> bool {
     !matches!(
         action,
         Action::Screenshot | Action::Panel | Action::Help | Action::Quit
     )
-};
+}
 
 impl Studio {
     /// Obeys the keys of the view, unless a person writes somewhere.
     pub(super) fn view_keys(&mut self, ui: &Ui) {
-        for action in keys::pressed_of(ui.ctx(), OBEYED) {
+        for action in keys::pressed_of(ui.ctx(), is_obeyed) {
             self.act(action);
         }
     }
 
+    /// Does what a key of the view asks for.
     pub(super) fn act(&mut self, action: Action) {
         let shown = self.shown.clone();
         let subject = shown.as_deref().map(|g| &g.subject);

@@ -12,7 +12,7 @@ const HINTS: [&str; 4] = [
 ];
 
 /// How far above the window's lower edge the hints stand, points.
-const ABOVE: f32 = 40.0;
+const ABOVE: f32 = 30.0;
 
 impl Studio {
     /// The hints, until they are dismissed.
@@ -22,12 +22,13 @@ impl Studio {
         }
         let mut dismissed = false;
         egui::Window::new("First steps")
-            .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -ABOVE))
+            .pivot(Align2::CENTER_BOTTOM)
+            .default_pos(ui.ctx().content_rect().center_bottom() - vec2(0.0, ABOVE))
             .collapsible(false)
             .resizable(false)
             .show(ui.ctx(), |ui| {
                 for hint in HINTS {
-                    ui.label(hint);
+                    ui.add(egui::Label::new(hint).extend());
                 }
                 ui.add_space(4.0);
                 dismissed = ui.button("Got it").clicked();
