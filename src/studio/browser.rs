@@ -9,8 +9,11 @@ use std::path::{Path, PathBuf};
 /// Most entries of a folder that are listed: more are found by typing a part of their name.
 const MOST: usize = 500;
 
-/// Height of the list, points.
-const LIST: f32 = 200.0;
+/// Smallest and largest height of the list, points.
+const LIST: [f32; 2] = [80.0, 200.0];
+
+/// Part of the window's height that the list takes in between.
+const PART: f32 = 0.28;
 
 /// The entry that leads out of a folder.
 const UP: &str = "..";
@@ -246,12 +249,14 @@ impl Browser {
     /// The folder's entries; a path that was taken.
     fn list(&mut self, ui: &mut Ui) -> Option<PathBuf> {
         let shown = self.shown();
+        let [least, most] = LIST;
+        let height = (ui.ctx().content_rect().height() * PART).clamp(least, most);
         let scrolls = std::mem::take(&mut self.scrolls);
         let mut clicked = None;
         let frame = egui::Frame::NONE.fill(ui.visuals().extreme_bg_color);
         frame.inner_margin(4.0).show(ui, |ui| {
             let area = egui::ScrollArea::vertical().auto_shrink(false);
-            area.max_height(LIST).show(ui, |ui| {
+            area.max_height(height).show(ui, |ui| {
                 let layout = egui::Layout::top_down_justified(egui::Align::LEFT);
                 ui.with_layout(layout, |ui| {
                     for entry in shown.iter().take(MOST) {

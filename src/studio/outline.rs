@@ -151,7 +151,8 @@ pub fn table_of(field: &str, value: &Node) -> Option<&'static Table> {
         "leaves" => "leaf",
         _ => field.strip_suffix('s').unwrap_or(field),
     };
-    [field, one].into_iter().find_map(|name| {
+    // A leaf kind is none of the levels that are called `Leaves`.
+    [one, field].into_iter().find_map(|name| {
         let mut letters = name.chars();
         let first = letters.next()?.to_ascii_uppercase();
         by_name(&format!("{first}{}", letters.as_str()))
@@ -263,6 +264,8 @@ mod tests {
         }
         let bark = pages.iter().find(|p| p.section == Section::Bark).unwrap();
         assert_eq!(bark.table.name, "Ridged");
+        let leaves = pages.iter().filter(|p| p.section == Section::Leaves);
+        assert!(leaves.map(|p| p.table.name).all(|name| name == "Leaf"));
     }
 
     #[test]

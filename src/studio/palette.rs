@@ -6,7 +6,7 @@ use super::menu::{COMMANDS, Menu};
 use super::templates;
 use super::viewing::is_obeyed;
 use crate::viewer::keys;
-use eframe::egui::{self, Key, KeyboardShortcut, Modifiers, RichText, Ui};
+use eframe::egui::{self, Key, KeyboardShortcut, Modifiers, Ui};
 
 /// Height of the list, points.
 const LIST: f32 = 380.0;
@@ -142,8 +142,7 @@ impl Palette {
 
 /// A row over the whole width; what can only be done by hand cannot be pressed.
 fn line(ui: &mut Ui, row: &Row, is_chosen: bool) -> egui::Response {
-    let keys = RichText::new(&row.keys).weak();
-    let button = egui::Button::selectable(is_chosen, &*row.name).shortcut_text(keys);
+    let button = egui::Button::selectable(is_chosen, &*row.name).shortcut_text(&*row.keys);
     ui.add_enabled(row.order.is_some(), button)
 }
 

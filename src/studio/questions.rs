@@ -47,6 +47,7 @@ impl Studio {
         let modal = egui::Modal::new(egui::Id::unique("studio question")).frame(frame);
         let modal = modal.show(ui.ctx(), |ui| {
             ui.set_max_width(width(&question).min(room.x));
+            ui.set_max_height(room.y);
             let area = egui::ScrollArea::vertical().max_height(room.y);
             area.show(ui, |ui| answer = asked(ui, question));
         });
@@ -204,9 +205,10 @@ fn asked(ui: &mut Ui, question: Question) -> Option<Answer> {
             let what = if copy.converts() {
                 "Scripts take PNG pictures; the copy is one."
             } else {
-                "Scripts take pictures that stand beside them or below."
+                "Scripts look for pictures in their own folder and below."
             };
-            ui.label(format!("{}. {what}", copy.file.display()));
+            ui.label(copy.file.display().to_string());
+            ui.label(what);
             match choice(ui, &["Copy", "Cancel"]) {
                 Some(0) => Answer::Copy(copy),
                 Some(_) => Answer::Cancel,

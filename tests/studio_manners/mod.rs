@@ -244,9 +244,11 @@ impl DroppedFile for Dropped {
     }
 }
 
-fn drop_on(window: &mut Window, path: &Path) {
-    let file: DroppedFileHandle = Arc::new(Dropped(path.to_owned()));
-    window.input_mut().dropped_files.push(file);
+fn drop_on(window: &mut Window, paths: &[&Path]) {
+    for path in paths {
+        let file: DroppedFileHandle = Arc::new(Dropped((*path).to_owned()));
+        window.input_mut().dropped_files.push(file);
+    }
     window.run_steps(3);
 }
 
@@ -261,17 +263,17 @@ pub(super) fn dropped() -> Outcome {
     fs::write(&near, &bytes)?;
     fs::write(&far, &bytes)?;
     let mut window = on_file(&dir.path().join("a.ron"), templates::BLANK)?;
-    drop_on(&mut window, &near);
+    drop_on(&mut window, &[&near]);
     assert_eq!(text(&window), templates::BLANK, "no leaf kind was picked");
     click(&mut window, "shoot");
-    drop_on(&mut window, &near);
+    drop_on(&mut window, &[&near]);
     assert!(
         text(&window).contains("image: \"near.png\""),
         "{}",
         text(&window)
     );
     assert!(window.state().document().reading().species.is_ok());
-    drop_on(&mut window, &far);
+    drop_on(&mut window, &[&far]);
     assert!(has(&window, "Copy it beside the script?"));
     picture(&mut window, "copy")?;
     click(&mut window, "Copy");
@@ -284,7 +286,9 @@ pub(super) fn dropped() -> Outcome {
     assert_eq!(text(&window), templates::BLANK, "each was one step");
     let script = elsewhere.path().join("b.ron");
     fs::write(&script, templates::BLANK)?;
-    drop_on(&mut window, &script);
+    drop_on(&mut window, &[&far, &script, &near.with_file_name("a.ron")]);
     assert_eq!(window.state().document().path(), Some(&*script));
+    let told = window.state().message().unwrap_or_default();
+    assert!(told.contains("2 scripts were dropped"), "{told}");
     Ok(())
 }
