@@ -119,7 +119,7 @@ pub struct Studio {
     pub(super) watch: Watch,
     pub(super) watched: Watched,
     selected: String,
-    dock: Tree<Pane>,
+    pub(super) dock: Tree<Pane>,
     message: Option<(String, f64)>,
     pub(super) fault: Option<String>,
     pub(super) question: Option<Question>,

@@ -48,9 +48,11 @@ pub(super) fn checked(wants: Wants, typed: &str, mut path: PathBuf) -> Result<Pa
     }
 }
 
-/// A path from the root on, without a separator at its end.
+/// A path from the root on, without a separator at its end; `~` is the user's own folder.
 pub(super) fn absolute(path: &Path) -> PathBuf {
-    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let home = std::env::home_dir().zip(path.strip_prefix("~").ok());
+    let path = home.map_or_else(|| path.to_owned(), |(home, rest)| home.join(rest));
+    let whole = std::path::absolute(&path).unwrap_or(path);
     whole.components().collect()
 }
 
@@ -113,6 +115,9 @@ mod tests {
         assert_eq!(parts("/trees/"), (PathBuf::from("/trees"), String::new()));
         assert_eq!(parts("/oak"), (PathBuf::from("/"), "oak".to_owned()));
         let here = std::env::current_dir().unwrap();
+        if let Some(home) = std::env::home_dir() {
+            assert_eq!(parts("~/trees/o"), (home.join("trees"), "o".to_owned()));
+        }
         assert_eq!(parts("oak.ron"), (here.clone(), "oak.ron".to_owned()));
         assert_eq!(parts("trees/oak"), (here.join("trees"), "oak".to_owned()));
     }

@@ -1,6 +1,7 @@
 //! First words: hints in a corner of a first window, and what the program is.
 
 use super::app::Studio;
+use super::panes::Pane;
 use eframe::egui::{self, Align2, RichText, Ui, vec2};
 
 /// What a first window says.
@@ -11,8 +12,9 @@ const HINTS: [&str; 4] = [
     "Ctrl+S saves the script, Ctrl+E exports a pack, F1 shows all keys.",
 ];
 
-/// How far above the window's lower edge the hints stand, points.
-const ABOVE: f32 = 30.0;
+/// How far inside the view the hints stand, and how wide they are, points.
+const INSIDE: f32 = 12.0;
+const WIDTH: f32 = 420.0;
 
 impl Studio {
     /// The hints, until they are dismissed.
@@ -20,15 +22,19 @@ impl Studio {
         if !self.shows_hints {
             return;
         }
+        let tiles = &self.dock.tiles;
+        let view = tiles.find_pane(&Pane::Tree).and_then(|id| tiles.rect(id));
+        let view = view.unwrap_or_else(|| ui.ctx().content_rect());
         let mut dismissed = false;
         egui::Window::new("First steps")
-            .pivot(Align2::CENTER_BOTTOM)
-            .default_pos(ui.ctx().content_rect().center_bottom() - vec2(0.0, ABOVE))
+            .pivot(Align2::LEFT_BOTTOM)
+            .fixed_pos(view.left_bottom() + vec2(INSIDE, -INSIDE))
             .collapsible(false)
             .resizable(false)
             .show(ui.ctx(), |ui| {
+                ui.set_max_width(WIDTH.min(view.width() - 4.0 * INSIDE));
                 for hint in HINTS {
-                    ui.add(egui::Label::new(hint).extend());
+                    ui.label(hint);
                 }
                 ui.add_space(4.0);
                 dismissed = ui.button("Got it").clicked();
