@@ -2,6 +2,7 @@
 //! show as ignored; with `PLEACH_REQUIRE_GPU=1` that is a failure.
 
 mod common;
+mod studio_manners;
 mod studio_view;
 
 use common::adapter::{self, Outcome};
@@ -60,6 +61,34 @@ fn main() -> ExitCode {
         ),
         ("lods_are_measured_and_their_budgets_changed", lods),
         ("two_lods_are_compared_beside_a_line", compared),
+        (
+            "a_script_is_opened_from_the_list_of_its_folder",
+            studio_manners::browsing,
+        ),
+        (
+            "saving_over_another_file_is_asked_about",
+            studio_manners::replacing,
+        ),
+        (
+            "variations_are_exported_as_the_library_makes_them",
+            studio_manners::variations,
+        ),
+        (
+            "an_export_that_is_cancelled_leaves_no_part_of_a_pack",
+            studio_manners::cancelling,
+        ),
+        (
+            "the_palette_finds_and_runs_a_command",
+            studio_manners::palette,
+        ),
+        (
+            "looks_hints_and_recent_files_are_kept_over_a_restart",
+            studio_manners::kept,
+        ),
+        (
+            "dropped_pictures_become_those_of_the_page_that_is_shown",
+            studio_manners::dropped,
+        ),
     ])
 }
 

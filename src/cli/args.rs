@@ -397,9 +397,9 @@ pub(crate) struct Preview {
 pub(crate) struct Studio {
     /// Species script; a small tree to begin with if left out.
     pub(crate) species: Option<PathBuf>,
-    /// Folder in which packs are made.
-    #[arg(long, default_value = "packs")]
-    pub(crate) out: PathBuf,
+    /// Folder in which packs are made; that of the last export without, or `packs`.
+    #[arg(long)]
+    pub(crate) out: Option<PathBuf>,
     /// Size of the window, such as 1280x720.
     #[arg(long, default_value = "1440x900", value_parser = size)]
     pub(crate) size: [u32; 2],

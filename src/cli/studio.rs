@@ -9,8 +9,10 @@ pub(crate) fn run(args: &Studio) -> Result<End, Failure> {
     let check = species.map_or(String::new(), |path| format!(" {}", path.display()));
     Err(Failure::usage(format!(
         "studio: this build has no studio; build with `cargo build --release --features studio`, or edit the script \
-         with any editor and look at it with `pleach check{check}`; --out {} and --size {}x{} are its options",
-        args.out.display(),
+         with any editor and look at it with `pleach check{check}`; --out{} and --size {}x{} are its options",
+        args.out
+            .as_ref()
+            .map_or(String::new(), |out| format!(" {}", out.display())),
         args.size[0],
         args.size[1],
     )))
@@ -20,6 +22,7 @@ pub(crate) fn run(args: &Studio) -> Result<End, Failure> {
 pub(crate) fn run(args: &Studio) -> Result<End, Failure> {
     use crate::math::float;
     use crate::studio::document::Document;
+    use crate::studio::kept::{self, Keeper};
     use crate::studio::{self, Begin, recovery, templates};
     let document = match &args.species {
         Some(path) => Document::open(path)
@@ -27,12 +30,16 @@ pub(crate) fn run(args: &Studio) -> Result<End, Failure> {
         None => Document::new(templates::BLANK.to_owned()),
     };
     let notes = recovery::folder();
+    let kept = Keeper::open(kept::file());
+    let plain = Begin::new(document);
+    let out = args.out.clone().or_else(|| kept.now.export.folder.clone());
     let begin = Begin {
         left: notes.as_deref().map(recovery::left).unwrap_or_default(),
         notes,
-        out: args.out.clone(),
+        out: out.unwrap_or_else(|| plain.out.clone()),
+        kept,
         stop: super::interrupted,
-        ..Begin::new(document)
+        ..plain
     };
     studio::run(begin, args.size.map(float)).map_err(super::window_failure)?;
     if super::interrupted() {

@@ -1,12 +1,18 @@
 //! The window's state: the document, the panes around it, and the threads that grow and write its tree.
 
+use super::browser::Browser;
 use super::closeups::Closeups;
 use super::document::{Document, Edit};
 use super::drawings::Drawings;
+use super::dropping::Copied;
+use super::export::{Exports, Written};
+use super::folder::Wants;
 use super::form::Change;
 use super::growing::{Grown, Sketches};
 use super::hand::Hand;
 use super::judging::Judging;
+use super::kept::{Keeper, Theme};
+use super::palette::Palette;
 use super::panes::{Pane, Panes, dock};
 use super::pictures::Pictures;
 use super::questions::Question;
@@ -14,10 +20,10 @@ use super::recovery::{Journal, Left};
 use super::seeds::Seeds;
 use super::{menu, outline};
 use crate::gpu::GpuError;
-use crate::pack::{self, Options, Replace};
 use crate::render::forest::ForestError;
 use crate::species::edit::EditError;
 use crate::species::fault::Fault;
+use crate::viewer::keys::Action;
 use crate::viewer::loader::Loader;
 use crate::viewer::settings::Settings;
 use crate::viewer::watch::{Watch, Watched};
@@ -26,7 +32,7 @@ use eframe::egui::{self, RichText, Ui};
 use eframe::egui_wgpu::RenderState;
 use egui_tiles::Tree;
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -44,6 +50,8 @@ pub struct Begin {
     pub left: Vec<Left>,
     /// Folder that packs are written into.
     pub out: PathBuf,
+    /// Settings that outlive the window.
+    pub kept: Keeper,
     /// True once the program is to end.
     pub stop: fn() -> bool,
 }
@@ -57,6 +65,7 @@ impl Begin {
             notes: None,
             left: Vec::new(),
             out: PathBuf::from("packs"),
+            kept: Keeper::default(),
             stop: || false,
         }
     }
@@ -82,6 +91,13 @@ pub(super) enum Order {
     Redo,
     Select(String),
     Change(Change),
+    Palette,
+    Hints,
+    About,
+    Scale(menu::Scale),
+    Theme(Theme),
+    ForgetRecent,
+    Act(Action),
 }
 
 /// The studio's state.
@@ -89,10 +105,10 @@ pub struct Studio {
     pub(super) document: Document,
     pub(super) journal: Option<Journal>,
     notes: Option<PathBuf>,
-    out: PathBuf,
+    pub(super) out: PathBuf,
     stop: fn() -> bool,
     pub(super) view: Viewport,
-    settings: Settings,
+    pub(super) settings: Settings,
     /// The tree that is shown: often a sketch.
     pub(super) shown: Option<Arc<Grown>>,
     /// The last tree with all its LODs.
@@ -104,11 +120,13 @@ pub struct Studio {
     pub(super) grower: Loader<Grown>,
     /// When the tree is to be grown with all its LODs.
     pub(super) due: Option<Instant>,
-    pub(super) writer: Loader<PathBuf>,
+    pub(super) writer: Loader<Written>,
+    pub(super) exports: Exports,
+    pub(super) copier: Loader<Copied>,
     pub(super) watch: Watch,
     pub(super) watched: Watched,
     selected: String,
-    dock: Tree<Pane>,
+    pub(super) dock: Tree<Pane>,
     message: Option<(String, f64)>,
     pub(super) fault: Option<String>,
     pub(super) question: Option<Question>,
@@ -122,6 +140,12 @@ pub struct Studio {
     pub(super) shows: u64,
     hand: Hand,
     pub(super) judging: Judging,
+    pub(super) kept: Keeper,
+    /// True once the window looks as was kept.
+    pub(super) is_settled: bool,
+    /// The script that was remembered last.
+    pub(super) remembered: Option<PathBuf>,
+    pub(super) shows_hints: bool,
 }
 
 impl std::fmt::Debug for Studio {
@@ -169,6 +193,8 @@ impl Studio {
             writer: Loader::start("write", wake.clone())?,
             hand: Hand::start(wake.clone())?,
             judging: Judging::start(wake.clone())?,
+            exports: Exports::default(),
+            copier: Loader::start("copy", wake.clone())?,
             watch,
             watched,
             selected: String::new(),
@@ -183,6 +209,11 @@ impl Studio {
             drawings: RefCell::new(Drawings::start(wake.clone())?),
             seeds: Seeds::start(wake)?,
             shows: 0,
+            // Who keeps nothing would see them each time.
+            shows_hints: begin.kept.keeps() && begin.kept.now.hints,
+            kept: begin.kept,
+            is_settled: false,
+            remembered: None,
         };
         studio.renew();
         Ok(studio)
@@ -212,6 +243,11 @@ impl Studio {
     #[must_use]
     pub fn has_all_seeds(&self) -> bool {
         self.seeds.is_whole()
+    }
+
+    /// Path of the part whose page is shown.
+    pub(super) fn selected(&self) -> &str {
+        &self.selected
     }
 
     /// What is being said.
@@ -250,6 +286,7 @@ impl Studio {
     /// Puts another document in the place of this one.
     pub(super) fn replace(&mut self, document: Document) {
         self.document = document;
+        self.copier.stop();
         self.selected = String::new();
         self.renew();
     }
@@ -280,11 +317,14 @@ impl Studio {
             Order::Save => self.save(ui, None, None),
             Order::SaveAs => self.ask_where(None),
             Order::Open => {
-                let folder = self.document.folder().display().to_string();
-                self.question = Some(Question::Open(folder));
+                let browser = Browser::new(Wants::Script, &self.document.folder(), "");
+                self.question = Some(Question::Open(browser));
+            }
+            Order::Export if self.writer.stage().is_some() => {
+                self.say(ui, "an export is under way; cancel it first, or wait");
             }
             Order::Export => {
-                self.question = Some(Question::Export(self.out.display().to_string()));
+                self.question = Some(Question::Export(Box::new(self.ask_export())));
             }
             Order::Undo => {
                 if self.document.undo() {
@@ -303,6 +343,13 @@ impl Studio {
                     self.say(ui, error.to_string());
                 }
             }
+            Order::Palette => self.question = Some(Question::Palette(Palette::default())),
+            Order::Hints => self.shows_hints = true,
+            Order::About => self.question = Some(Question::About(self.view.describe())),
+            Order::Scale(scale) => self.scale(ui, scale),
+            Order::Theme(theme) => ui.ctx().set_theme(theme),
+            Order::ForgetRecent => self.kept.now.recent.clear(),
+            Order::Act(action) => self.act(action),
         }
     }
 
@@ -325,69 +372,18 @@ impl Studio {
     fn has_work(&self) -> bool {
         self.document.path().is_some() || self.document.history().undoable().is_some()
     }
-
-    pub(super) fn save(&mut self, ui: &Ui, to: Option<&Path>, next: Option<Next>) {
-        if to.is_none() && self.document.path().is_none() {
-            return self.ask_where(next);
-        }
-        match self.document.save(to) {
-            Ok(()) => {
-                let path = self.document.path().map(|p| p.display().to_string());
-                self.say(ui, format!("{} is saved", path.unwrap_or_default()));
-                self.renew();
-                if let Some(next) = next {
-                    self.go_on(ui, next);
-                }
-            }
-            Err(error) => self.say(ui, format!("cannot be saved: {error}")),
-        }
-    }
-
-    fn ask_where(&mut self, next: Option<Next>) {
-        let known = self.document.path().map(|p| p.display().to_string());
-        let slug = self
-            .document
-            .reading()
-            .species
-            .as_ref()
-            .map(|s| s.slug.clone());
-        let path = known.unwrap_or_else(|| {
-            let name = slug
-                .unwrap_or_else(|_| "species".to_owned())
-                .replace('-', "_");
-            format!("{name}.ron")
-        });
-        self.question = Some(Question::SaveAs(path, next));
-    }
-
-    pub(super) fn export(&mut self, ui: &Ui, out: PathBuf) {
-        let Some(grown) = self
-            .grown
-            .clone()
-            .filter(|g| g.text == self.document.text())
-        else {
-            return self.say(ui, "the tree is still growing, or the script is at fault");
-        };
-        self.out.clone_from(&out);
-        self.writer.ask(Box::new(move |progress| {
-            progress.begin("writing", 0);
-            let asset = grown.subject.asset().ok_or("there is no tree to write")?;
-            let name = pack::folder_name(&asset.slug, asset.seed);
-            let files = pack::build(asset, grown.text.as_bytes(), Options::default());
-            let files = files.map_err(|e| e.to_string())?;
-            pack::write(&out, &name, &files, Replace::OwnPacks).map_err(|e| e.to_string())
-        }));
-    }
 }
 
 impl Studio {
     /// One frame of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
+        self.settle(ui);
         self.listen(ui);
         self.rest(ui);
         let mut orders = Vec::new();
         if self.question.is_none() {
             menu::pressed(ui, &mut orders);
+            self.view_keys(ui);
         }
         egui::Panel::top("menu").show(ui, |ui| {
             egui::MenuBar::new().ui(ui, |ui| self.menu(ui, &mut orders));
@@ -404,7 +400,9 @@ impl Studio {
                 self.message = None;
             }
         }
+        self.export_bar(ui);
         self.panes(ui, &mut orders);
+        self.hints(ui);
         for order in orders {
             self.obey(ui, order);
         }
@@ -471,7 +469,7 @@ impl Studio {
             number: self.number,
             pictures: &mut self.pictures,
             judging: &mut self.judging,
-            busy: self.grower.stage().or_else(|| self.writer.stage()),
+            busy: self.grower.stage(),
             fault: None,
             frame: false,
             orders: Vec::new(),
@@ -495,18 +493,6 @@ impl Studio {
         }
         if frame && let Some(shown) = &shown {
             self.view.frame(&shown.subject, &self.settings);
-        }
-    }
-
-    /// Files that are dropped on the window.
-    fn drops(&mut self, ui: &Ui) {
-        let dropped = ui.input(|i| i.raw.dropped_files.clone());
-        let script = dropped.iter().map(|f| f.path().to_owned()).find(|path| {
-            let ending = path.extension().unwrap_or_default();
-            ending.eq_ignore_ascii_case("ron")
-        });
-        if let Some(path) = script {
-            self.obey(ui, Order::Ask(Next::Open(path)));
         }
     }
 

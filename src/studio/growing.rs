@@ -135,15 +135,9 @@ impl Studio {
             self.look(ui);
         }
         let written = self.writer.poll();
-        if written.good
-            && let Some(folder) = self.writer.good().cloned()
-        {
-            self.say(ui, format!("{} is written", folder.display()));
-        } else if written.changed
-            && let Some(fault) = self.writer.fault().map(str::to_owned)
-        {
-            self.say(ui, fault);
-        }
+        self.exported(ui, written);
+        let copied = self.copier.poll();
+        self.copied(ui, copied);
     }
 
     /// Takes in what somebody else has written to the file; false if nobody has.

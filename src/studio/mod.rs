@@ -2,17 +2,21 @@
 //!
 //! The script's text is the truth ([`document`]): each panel reads it and changes it by an [`document::Edit`], so
 //! that the text, the panels and the tree cannot disagree, comments survive, and undo covers everything
-//! ([`history`]). [`recovery`] keeps what is unsaved over a kill. Pages are made from the tables of
+//! ([`history`]). [`recovery`] keeps what is unsaved over a kill, [`kept`] what outlives every window. Pages are made from the tables of
 //! [`crate::species::fields`] ([`outline`], [`form`]): a field that the language gets is in the studio at once.
 
 pub mod adding;
 mod app;
+mod browser;
 mod budgets;
 mod closeups;
 mod crown;
 mod curve;
 pub mod document;
 mod drawings;
+mod dropping;
+mod export;
+mod folder;
 pub mod form;
 mod grips;
 mod growing;
@@ -20,12 +24,14 @@ mod hand;
 mod handles;
 pub mod history;
 mod judging;
+pub mod kept;
 mod lod_table;
 mod lods;
 mod marks;
 mod menu;
 mod nearby;
 pub mod outline;
+mod palette;
 mod panes;
 mod parts;
 mod picking;
@@ -33,11 +39,15 @@ mod pictures;
 mod priorities;
 mod questions;
 pub mod recovery;
+mod saving;
 mod script;
 mod seeds;
+mod settling;
 mod skeleton;
 mod spline_editor;
 pub mod templates;
+mod viewing;
+mod welcome;
 mod window;
 
 pub use app::{Begin, Studio};

@@ -1,10 +1,17 @@
 //! Questions that are to be answered before anything else, over the window.
 
 use super::app::{Next, Order, Studio};
+use super::browser::{Browser, Done};
 use super::document::Document;
+use super::dropping::Copy;
+use super::export::{Asked, Form};
+use super::palette::Palette;
 use super::recovery::Left;
-use eframe::egui::{self, Key, Ui};
-use std::path::Path;
+use eframe::egui::{self, Ui};
+use std::path::{Path, PathBuf};
+
+/// Room around a question, points.
+const MARGIN: f32 = 12.0;
 
 /// A question that is to be answered before anything else.
 #[derive(Debug)]
@@ -16,9 +23,16 @@ pub(super) enum Question {
     /// The file was changed outside where it was changed here; its text.
     Conflict(String),
     /// A path to read from, or to write to.
-    Open(String),
-    SaveAs(String, Option<Next>),
-    Export(String),
+    Open(Browser),
+    SaveAs(Browser, Option<Next>),
+    /// Another file stands at the path that was picked.
+    Replace(Browser, PathBuf, Option<Next>),
+    Export(Box<Form>),
+    /// A picture does not stand beside the script.
+    Copy(Copy),
+    Palette(Palette),
+    /// What the program is, and what draws for it.
+    About(String),
 }
 
 impl Studio {
@@ -28,9 +42,14 @@ impl Studio {
             return;
         };
         let mut answer = None;
-        let modal = egui::Modal::new(egui::Id::unique("studio question")).show(ui.ctx(), |ui| {
-            ui.set_max_width(460.0);
-            answer = asked(ui, question);
+        let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
+        let room = ui.ctx().content_rect().size() - egui::Vec2::splat(4.0 * MARGIN);
+        let modal = egui::Modal::new(egui::Id::unique("studio question")).frame(frame);
+        let modal = modal.show(ui.ctx(), |ui| {
+            ui.set_max_width(width(&question).min(room.x));
+            ui.set_max_height(room.y);
+            let area = egui::ScrollArea::vertical().max_height(room.y);
+            area.show(ui, |ui| answer = asked(ui, question));
         });
         let Some(answer) = answer else {
             return;
@@ -48,9 +67,18 @@ impl Studio {
                 self.document.settle(theirs, take);
                 self.renew();
             }
-            Answer::SaveTo(path, next) => self.save(ui, Some(Path::new(&path)), next),
-            Answer::Open(path) => self.obey(ui, Order::Ask(Next::Open(path.into()))),
-            Answer::Export(out) => self.export(ui, out.into()),
+            Answer::SaveTo(browser, path, next) => {
+                if path.exists() && !is_same(&path, self.document.path()) {
+                    self.question = Some(Question::Replace(browser, path, next));
+                } else {
+                    self.save(ui, Some(&path), next);
+                }
+            }
+            Answer::Replace(path, next) => self.save(ui, Some(&path), next),
+            Answer::Back(question) => self.question = Some(question),
+            Answer::Obey(order) => self.obey(ui, order),
+            Answer::Export(out, asked) => self.export(ui, out, asked),
+            Answer::Copy(copy) => self.copy_picture(copy),
             Answer::Recover(left, rest) => {
                 let note = left.note.clone();
                 self.replace(Document::recovered(note));
@@ -73,6 +101,22 @@ fn may_be_left(question: &Question) -> bool {
     !matches!(question, Question::Recover(_) | Question::Conflict(_))
 }
 
+/// True if a path leads to the document's own file.
+fn is_same(path: &Path, own: Option<&Path>) -> bool {
+    let whole = |path: &Path| path.canonicalize().ok();
+    own.is_some_and(|own| whole(own).is_some() && whole(own) == whole(path))
+}
+
+/// Width of a question, points: lists have more room than words.
+fn width(question: &Question) -> f32 {
+    match question {
+        Question::Open(_) | Question::SaveAs(..) | Question::Export(_) | Question::Palette(_) => {
+            560.0
+        }
+        _ => 460.0,
+    }
+}
+
 /// What was answered.
 enum Answer {
     /// Nothing yet.
@@ -81,9 +125,13 @@ enum Answer {
     Go(Next),
     SaveAnd(Next),
     Settle(String, bool),
-    SaveTo(String, Option<Next>),
-    Open(String),
-    Export(String),
+    SaveTo(Browser, PathBuf, Option<Next>),
+    Replace(PathBuf, Option<Next>),
+    /// Another question is asked again.
+    Back(Question),
+    Obey(Order),
+    Export(PathBuf, Asked),
+    Copy(Copy),
     Recover(Left, Vec<Left>),
     Forget(Left, Vec<Left>),
 }
@@ -128,23 +176,53 @@ fn asked(ui: &mut Ui, question: Question) -> Option<Answer> {
                 }
             }
         }
-        Question::Open(mut path) => match place(ui, "Open a script", &mut path, "Open") {
-            Some(true) => Answer::Open(path),
-            Some(false) => Answer::Cancel,
-            None => Answer::Keep(Question::Open(path)),
+        Question::Open(mut browser) => match browser.ui(ui, ("Open a script", "Open"), |_| {}) {
+            Some(Done::Take(path)) => Answer::Obey(Order::Ask(Next::Open(path))),
+            Some(Done::Cancel) => Answer::Cancel,
+            None => Answer::Keep(Question::Open(browser)),
         },
-        Question::SaveAs(mut path, next) => match place(ui, "Save as", &mut path, "Save") {
-            Some(true) => Answer::SaveTo(path, next),
-            Some(false) => Answer::Cancel,
-            None => Answer::Keep(Question::SaveAs(path, next)),
+        Question::SaveAs(mut browser, next) => match browser.ui(ui, ("Save as", "Save"), |_| {}) {
+            Some(Done::Take(path)) => Answer::SaveTo(browser, path, next),
+            Some(Done::Cancel) => Answer::Cancel,
+            None => Answer::Keep(Question::SaveAs(browser, next)),
         },
-        Question::Export(mut out) => {
-            match place(ui, "Export a pack into the folder", &mut out, "Export") {
-                Some(true) => Answer::Export(out),
-                Some(false) => Answer::Cancel,
-                None => Answer::Keep(Question::Export(out)),
+        Question::Replace(browser, path, next) => {
+            ui.heading("Replace it?");
+            ui.label(format!("There is a file {} already.", path.display()));
+            match choice(ui, &["Replace", "Back"]) {
+                Some(0) => Answer::Replace(path, next),
+                Some(_) => Answer::Back(Question::SaveAs(browser, next)),
+                None => Answer::Keep(Question::Replace(browser, path, next)),
             }
         }
+        Question::Export(mut form) => match form.ui(ui) {
+            Some(Done::Take(out)) => Answer::Export(out, form.asked()),
+            Some(Done::Cancel) => Answer::Cancel,
+            None => Answer::Keep(Question::Export(form)),
+        },
+        Question::Copy(copy) => {
+            ui.heading("Copy it beside the script?");
+            let what = if copy.converts() {
+                "Scripts take PNG pictures; the copy is one."
+            } else {
+                "Scripts look for pictures in their own folder and below."
+            };
+            ui.label(copy.file.display().to_string());
+            ui.label(what);
+            match choice(ui, &["Copy", "Cancel"]) {
+                Some(0) => Answer::Copy(copy),
+                Some(_) => Answer::Cancel,
+                None => Answer::Keep(Question::Copy(copy)),
+            }
+        }
+        Question::Palette(mut palette) => match palette.ui(ui) {
+            Some(order) => Answer::Obey(order),
+            None => Answer::Keep(Question::Palette(palette)),
+        },
+        Question::About(adapter) => match Studio::about(ui, &adapter) {
+            true => Answer::Cancel,
+            false => Answer::Keep(Question::About(adapter)),
+        },
     })
 }
 
@@ -160,22 +238,4 @@ fn choice(ui: &mut Ui, words: &[&str]) -> Option<usize> {
         }
     });
     pressed
-}
-
-/// A path to type; true to go on with it.
-fn place(ui: &mut Ui, heading: &str, path: &mut String, verb: &str) -> Option<bool> {
-    let label = ui.heading(heading);
-    let edit = egui::TextEdit::singleline(path).desired_width(430.0);
-    let response = ui.add(edit).labelled_by(label.id);
-    if response.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter)) && !path.is_empty() {
-        return Some(true);
-    }
-    if !response.has_focus() && ui.memory(|m| m.focused().is_none()) {
-        response.request_focus();
-    }
-    match choice(ui, &[verb, "Cancel"]) {
-        Some(0) if !path.is_empty() => Some(true),
-        Some(1) => Some(false),
-        _ => None,
-    }
 }

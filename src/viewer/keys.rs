@@ -192,12 +192,18 @@ pub const WALKING: [(Key, [f32; 2]); 4] = [
 /// What the keys pressed since the last frame do. None of them is left for widgets, and none is taken while a
 /// person writes into a field. A widget that was reached by keys keeps those that work it.
 pub fn pressed(ctx: &Context) -> Vec<Action> {
+    pressed_of(ctx, |_| true)
+}
+
+/// As [`pressed`], for keys that do something that is `obeyed`; the others are left for widgets.
+pub fn pressed_of(ctx: &Context, obeyed: impl Fn(Action) -> bool) -> Vec<Action> {
     if ctx.egui_wants_keyboard_input() {
         return Vec::new();
     }
     let focused = ctx.memory(|memory| memory.focused().is_some());
     ctx.input_mut(|input| {
         let pairs = KEYS.iter().flat_map(|(_, pairs)| pairs.iter());
+        let pairs = pairs.filter(|(_, action)| obeyed(*action));
         let free = pairs.filter(|(key, _)| !(focused && *key == Key::Space));
         free.filter(|&&(key, _)| input.consume_key(Modifiers::NONE, key))
             .map(|&(_, action)| action)

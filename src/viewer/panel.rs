@@ -24,18 +24,18 @@ pub struct Asked {
     pub shot: bool,
 }
 
-/// Brightness of text on dark: egui's own is hard to read over a long day.
-const TEXT: u8 = 195;
+/// Brightness of text on dark and on light: egui's own is hard to read over a long day.
+const TEXT: [(egui::Theme, u8); 2] = [(egui::Theme::Dark, 195), (egui::Theme::Light, 50)];
 
 /// How all of the window looks.
 pub fn style(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
-    ctx.all_styles_mut(|style| {
-        if style.visuals.dark_mode {
-            style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(TEXT);
-        }
-        style.spacing.item_spacing.y = 3.0;
-    });
+    ctx.all_styles_mut(|style| style.spacing.item_spacing.y = 3.0);
+    for (theme, text) in TEXT {
+        ctx.style_mut_of(theme, |style| {
+            style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(text);
+        });
+    }
 }
 
 /// The panel.
