@@ -88,8 +88,8 @@ pub(super) fn dock() -> Tree<Pane> {
     .map(|pane| tiles.insert_pane(pane));
     let left = tiles.insert_tab_tile(vec![outline]);
     let middle = tiles.insert_tab_tile(vec![tree]);
-    let upper = tiles.insert_tab_tile(vec![fields, seeds, view]);
-    let lower = tiles.insert_tab_tile(vec![script, lods, atlas, shadows]);
+    let upper = tiles.insert_tab_tile(vec![fields, seeds, lods, atlas, shadows, view]);
+    let lower = tiles.insert_tab_tile(vec![script]);
     let right = tiles.insert_vertical_tile(vec![upper, lower]);
     let root = tiles.insert_horizontal_tile(vec![left, middle, right]);
     for (tabs, active) in [(upper, fields), (lower, script)] {
