@@ -29,6 +29,17 @@ pub(super) struct Held {
     off: Vec2,
     /// True once it was let go of, until the tree has followed.
     pub(super) is_released: bool,
+    /// What the script said then.
+    left: Option<String>,
+}
+
+impl Held {
+    /// True once the handles of the tree that is shown are right again, or the script says something else.
+    fn is_over(&mut self, scene: &Scene<'_>) -> bool {
+        let text = scene.document.text();
+        let left = self.left.get_or_insert_with(|| text.to_owned());
+        scene.is_up_to_date() || left != text
+    }
 }
 
 /// A handle's widget.
@@ -109,9 +120,8 @@ impl Hand {
             self.held = None;
             return;
         };
-        if scene.is_up_to_date() && self.held.as_ref().is_some_and(|h| h.is_released) {
-            self.held = None;
-        }
+        self.held
+            .take_if(|held| held.is_released && held.is_over(scene));
         let chosen = self.chosen.as_ref().filter(|c| c.level == level.index);
         let node = scene.tree().zip(chosen).and_then(|(tree, chosen)| {
             let node = placed(tree, &chosen.way)?;
@@ -176,6 +186,7 @@ impl Hand {
                 place,
                 off: offset(ui, at),
                 is_released: false,
+                left: None,
             });
         }
         if response.dragged()

@@ -23,6 +23,9 @@ const ARM: f32 = 52.0;
 /// Radius of the ring around the parent, points of the screen, at least.
 const RING: f32 = 24.0;
 
+/// Of handles nearer to one another than this, points of the screen, one is left out; zooming in brings it back.
+const APART: f32 = 13.0;
+
 /// Corners of the ring as it is drawn.
 const CORNERS: u32 = 48;
 
@@ -150,6 +153,12 @@ pub(super) struct Handle {
 }
 
 impl Handle {
+    /// True if both would be taken hold of at once.
+    fn covers(&self, other: &Self, view: &Projection) -> bool {
+        let seen = [self, other].map(|handle| view.place(handle.track.at(handle.place)));
+        matches!(seen, [Some(a), Some(b)] if a.distance(b) < APART)
+    }
+
     /// What it is called, for those who do not see it.
     pub(super) fn label(&self) -> String {
         format!("Handle of {}", self.sets.field())
@@ -291,7 +300,8 @@ pub(super) fn of(
     }
     if let Some(says) = angle(level, Sets::Around, here) {
         let radius = (sample.radius * node.parent.scale * 2.0).max(RING * wide);
-        let arm = hinge.cross(along).normalize_or(Vec3::Z) * radius;
+        // Behind the parent as seen from the node, where the handle at its tip is not in the way.
+        let arm = along.cross(hinge).normalize_or(Vec3::Z) * radius;
         made.ring = (0..=CORNERS)
             .map(|corner| TAU * float(corner) / float(CORNERS))
             .map(|turn| centre + Quat::from_axis_angle(along, turn) * arm)
@@ -308,14 +318,14 @@ pub(super) fn of(
         });
     }
     if !moved {
-        made.ends(node, parent, level);
+        made.ends(node, parent, level, view);
     }
     made
 }
 
 impl Handles {
     /// Handles at the first and the last position on the parent.
-    fn ends(&mut self, node: &Placed<'_>, parent: &Branch, level: &Node) {
+    fn ends(&mut self, node: &Placed<'_>, parent: &Branch, level: &Node, view: &Projection) {
         let axis: Vec<(f32, Vec3)> = parent
             .axis
             .iter()
@@ -334,12 +344,15 @@ impl Handles {
             (Sets::Start, start, [0.0, end]),
             (Sets::End, end, [start, 1.0]),
         ] {
-            self.handles.push(Handle {
+            let handle = Handle {
                 sets,
                 track: track.clone(),
                 place,
                 says: Says::Position(range),
-            });
+            };
+            if !self.handles.iter().any(|other| other.covers(&handle, view)) {
+                self.handles.push(handle);
+            }
         }
     }
 }

@@ -13,6 +13,9 @@ use std::ops::Range;
 /// Most items of one tree: beyond, the finest levels are left out.
 pub(super) const MOST: u64 = 400_000;
 
+/// Axes of levels of more nodes are taken coarser.
+const FEW: u64 = 3000;
+
 /// Points of the screen about a branch's axis within which it is met, however thin it is.
 const REACH: f32 = 4.0;
 
@@ -65,7 +68,8 @@ impl Items {
     /// The nodes of a tree, at most so many. `None` if `go_on` says no before they are all there.
     #[must_use]
     pub(super) fn of(tree: &Tree, most: u64, go_on: &dyn Fn() -> bool) -> Option<Self> {
-        let taken = taken(tree, most);
+        let counts: Vec<u64> = tree.nodes().iter().map(|n| n.iter().sum()).collect();
+        let taken = taken(tree, &counts, most);
         let mut items = Self::default();
         if taken.first() != Some(&true) {
             return Some(items);
@@ -73,6 +77,7 @@ impl Items {
         let mut walk = Walk {
             tree,
             taken: &taken,
+            counts: &counts,
             into: &mut items,
             go_on,
         };
@@ -112,12 +117,13 @@ impl Items {
         way
     }
 
-    fn add(&mut self, node: &Node<'_>, place: &Similarity) {
+    /// Adds a node; `lod` is the geometry LOD of its axis.
+    fn add(&mut self, node: &Node<'_>, place: &Similarity, lod: usize) {
         let first = self.points.len();
         let (length, radius) = match &node.prototype.part {
             Part::Stool => (0.0, 0.0),
             Part::Branch(branch) => {
-                let rings = branch.rings.get(1).or(branch.rings.first());
+                let rings = branch.rings.get(lod).or(branch.rings.first());
                 for &ring in rings.into_iter().flatten() {
                     let sample = &branch.axis[usize::from(ring)];
                     self.points.push(Point {
@@ -151,8 +157,7 @@ impl Items {
 }
 
 /// Which levels are taken: whole levels from the trunk outward, of those as deep the smaller ones first.
-fn taken(tree: &Tree, most: u64) -> Vec<bool> {
-    let counts: Vec<u64> = tree.nodes().iter().map(|n| n.iter().sum()).collect();
+fn taken(tree: &Tree, counts: &[u64], most: u64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..tree.levels.len()).collect();
     order.sort_by_key(|&level| (tree.levels[level].depth, counts[level], level));
     let mut taken = vec![false; tree.levels.len()];
@@ -180,6 +185,7 @@ struct Node<'a> {
 struct Walk<'a> {
     tree: &'a Tree,
     taken: &'a [bool],
+    counts: &'a [u64],
     into: &'a mut Items,
     go_on: &'a dyn Fn() -> bool,
 }
@@ -188,7 +194,8 @@ impl Walk<'_> {
     /// Adds a node and all that hangs on it; false if it is to give up.
     fn node(&mut self, node: &Node<'_>, place: &Similarity) -> bool {
         let number = self.into.items.len();
-        self.into.add(node, place);
+        let lod = usize::from(self.counts[node.level] > FEW);
+        self.into.add(node, place, lod);
         if self.tree.levels[node.level].kind != Kind::Leaf && !(self.go_on)() {
             return false;
         }
