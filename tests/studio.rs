@@ -2,6 +2,7 @@
 //! show as ignored; with `PLEACH_REQUIRE_GPU=1` that is a failure.
 
 mod common;
+mod studio_looks;
 mod studio_manners;
 mod studio_view;
 
@@ -88,6 +89,10 @@ fn main() -> ExitCode {
         (
             "dropped_pictures_become_those_of_the_page_that_is_shown",
             studio_manners::dropped,
+        ),
+        (
+            "panels_look_as_they_did_in_both_themes",
+            studio_looks::panels,
         ),
     ])
 }

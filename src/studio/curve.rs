@@ -221,7 +221,7 @@ fn paint(ui: &Ui, frame: &Frame, points: &[[f64; 2]], hovered: bool) {
         line.insert(0, pos2(frame.rect.left(), first.y));
         line.push(pos2(frame.rect.right(), last.y));
     }
-    let colour = visuals.selection.bg_fill;
+    let colour = visuals.hyperlink_color;
     painter.line(line, Stroke::new(1.5, colour));
     let radius = if hovered { 4.0 } else { 3.0 };
     for point in points {

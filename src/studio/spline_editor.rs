@@ -176,7 +176,7 @@ impl<'a> Editor<'a> {
         let foot = view.place([0.0; 3]);
         painter.vline(foot.x, view.rect.y_range(), weak);
         painter.hline(view.rect.x_range(), foot.y, weak);
-        let colour = visuals.selection.bg_fill;
+        let colour = visuals.hyperlink_color;
         #[expect(clippy::cast_possible_truncation, reason = "places on a screen")]
         let control: Vec<Vec3> = self
             .points
