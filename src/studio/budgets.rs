@@ -66,10 +66,25 @@ pub(super) fn between(budgets: &[u64], index: usize) -> Option<u64> {
     is_sound.then_some(new)
 }
 
+/// True if the text has a list of the LOD part that is more than its items: comments, say, or a line for each. Such
+/// a list is changed item by item, and any other is written anew.
+pub(super) fn is_laid_out((source, root): (&str, &Node), list: &str) -> bool {
+    let lod = outline::field(root, "lod");
+    let list = lod.and_then(|lod| outline::field(lod, list));
+    let text = list.and_then(|list| source.get(list.span.clone()));
+    text.is_some_and(|text| text.contains(['\n', '/']))
+}
+
+/// A list as a script writes it.
+pub(super) fn list<T>(items: &[T], text: impl Fn(&T) -> String) -> String {
+    let all: Vec<String> = items.iter().map(text).collect();
+    format!("[{}]", all.join(", "))
+}
+
 /// Changes of the list, whether the text holds it already or means its default.
 pub(super) struct Budgets<'a> {
-    /// The text's values.
-    pub(super) root: &'a Node,
+    /// The text, and its values.
+    pub(super) written: (&'a str, &'a Node),
     /// The budgets that they mean.
     pub(super) budgets: &'a [u64],
 }
@@ -77,22 +92,20 @@ pub(super) struct Budgets<'a> {
 impl Budgets<'_> {
     const PATH: &'static str = "lod.budgets";
 
-    fn is_written(&self) -> bool {
-        let lod = outline::field(self.root, "lod");
-        lod.and_then(|lod| outline::field(lod, "budgets")).is_some()
+    fn is_laid_out(&self) -> bool {
+        is_laid_out(self.written, "budgets")
     }
 
     fn whole(budgets: &[u64]) -> Edit {
-        let all: Vec<String> = budgets.iter().map(ToString::to_string).collect();
         Edit::Set {
             path: Self::PATH.to_owned(),
-            value: format!("[{}]", all.join(", ")),
+            value: list(budgets, ToString::to_string),
         }
     }
 
     /// Sets one of them.
     pub(super) fn set(&self, index: usize, budget: u64) -> Edit {
-        if self.is_written() {
+        if self.is_laid_out() {
             return Edit::Set {
                 path: format!("{}.{index}", Self::PATH),
                 value: budget.to_string(),
@@ -105,7 +118,7 @@ impl Budgets<'_> {
 
     /// Puts one in.
     pub(super) fn add(&self, index: usize, budget: u64) -> Edit {
-        if self.is_written() {
+        if self.is_laid_out() {
             return Edit::Insert {
                 list: Self::PATH.to_owned(),
                 index,
@@ -122,7 +135,7 @@ impl Budgets<'_> {
         if self.budgets.len() < 2 {
             return None;
         }
-        if self.is_written() {
+        if self.is_laid_out() {
             return Some(Edit::Remove(format!("{}.{index}", Self::PATH)));
         }
         let mut budgets = self.budgets.to_vec();
@@ -146,9 +159,8 @@ mod tests {
 
     fn change(document: &mut Document, edit: impl FnOnce(&Budgets<'_>) -> Option<Edit>) -> bool {
         let budgets = budgets(document);
-        let root = document.reading().root.clone().unwrap();
         let edit = edit(&Budgets {
-            root: &root,
+            written: (document.text(), document.reading().root.as_ref().unwrap()),
             budgets: &budgets,
         });
         let Some(edit) = edit else {
@@ -165,7 +177,8 @@ mod tests {
             "lod: (budgets: [\n 9000, // near\n 700]),\n format:",
             1,
         );
-        for (text, first) in [(BLANK, 10_000), (&*written, 9_000)] {
+        let plain = BLANK.replacen("format:", "lod: (budgets: [9000, 700]), format:", 1);
+        for (text, first) in [(BLANK, 10_000), (&*written, 9_000), (&*plain, 9_000)] {
             let mut document = Document::new(text.to_owned());
             let before = budgets(&document);
             assert_eq!(before[0], first);
@@ -173,6 +186,13 @@ mod tests {
             assert_eq!(budgets(&document)[..2], [first, 321]);
             assert!(change(&mut document, |b| Some(b.add(1, 654))));
             assert_eq!(budgets(&document)[..3], [first, 654, 321]);
+            if text != written {
+                assert!(
+                    document.text().contains(", 654, 321"),
+                    "{}",
+                    document.text()
+                );
+            }
             assert!(change(&mut document, |b| b.remove(0)));
             assert_eq!(budgets(&document)[..2], [654, 321]);
             assert_eq!(budgets(&document).len(), before.len());

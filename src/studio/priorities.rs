@@ -1,8 +1,8 @@
 //! How LODs are chosen: the selector, and the order in which simplifications are tried.
 
+use super::budgets::{is_laid_out, list};
 use super::document::Edit;
 use super::form::Change;
-use super::outline;
 use super::panes::named;
 use crate::species::schema::{Lod, LodSelector, Simplification};
 use crate::species::syntax::Node;
@@ -12,7 +12,7 @@ use eframe::egui::{self, ComboBox, Frame, Id, RichText, Stroke, Ui};
 struct Dragged(usize);
 
 /// The selector and the order as widgets; what they ask for goes into `changes`.
-pub(super) fn ui(ui: &mut Ui, (root, lod): (&Node, &Lod), changes: &mut Vec<Change>) {
+pub(super) fn ui(ui: &mut Ui, written: (&str, &Node), lod: &Lod, changes: &mut Vec<Change>) {
     ui.horizontal_wrapped(|ui| {
         selector(ui, lod.selector, changes);
         let label = ui.label("and simplified in this order");
@@ -28,7 +28,7 @@ pub(super) fn ui(ui: &mut Ui, (root, lod): (&Node, &Lod), changes: &mut Vec<Chan
         for (index, what) in lod.priorities.iter().enumerate() {
             if let Some([from, to]) = item(ui, index, count, *what) {
                 let name = format!("Try {:?} in another place", lod.priorities[from]);
-                let edit = moved(root, &lod.priorities, from, to);
+                let edit = moved(written, &lod.priorities, [from, to]);
                 changes.push(Change::Edit(name, None, edit));
             }
         }
@@ -129,13 +129,9 @@ fn item(ui: &mut Ui, index: usize, count: usize, what: Simplification) -> Option
 }
 
 /// Moves one of the order, whether the text holds it or means its default.
-fn moved(root: &Node, priorities: &[Simplification], from: usize, to: usize) -> Edit {
+fn moved(written: (&str, &Node), priorities: &[Simplification], [from, to]: [usize; 2]) -> Edit {
     let path = "lod.priorities";
-    let lod = outline::field(root, "lod");
-    if lod
-        .and_then(|lod| outline::field(lod, "priorities"))
-        .is_some()
-    {
+    if is_laid_out(written, "priorities") {
         return Edit::Reorder {
             path: format!("{path}.{from}"),
             to,
@@ -144,10 +140,9 @@ fn moved(root: &Node, priorities: &[Simplification], from: usize, to: usize) -> 
     let mut priorities = priorities.to_vec();
     let one = priorities.remove(from);
     priorities.insert(to.min(priorities.len()), one);
-    let names: Vec<String> = priorities.iter().map(|p| format!("{p:?}")).collect();
     Edit::Set {
         path: path.to_owned(),
-        value: format!("[{}]", names.join(", ")),
+        value: list(&priorities, |what| format!("{what:?}")),
     }
 }
 
@@ -160,21 +155,26 @@ mod tests {
     #[test]
     fn the_order_is_changed_where_the_text_has_it_and_where_it_means_it() {
         use Simplification::{Branches, Levels, Splines};
-        let mut document = Document::new(BLANK.to_owned());
         let order = |document: &Document| match &document.reading().species {
             Ok(species) => species.lod.priorities.clone(),
             Err(faults) => panic!("{}", faults.render(false)),
         };
-        assert!(!document.text().contains("priorities"));
-        for (from, to, expected) in [
-            (2, 0, [Levels, Splines, Branches]),
-            (0, 1, [Splines, Levels, Branches]),
-            (2, 1, [Splines, Branches, Levels]),
-        ] {
-            let root = document.reading().root.clone().unwrap();
-            let edit = moved(&root, &order(&document), from, to);
-            document.apply("Move", None, edit).unwrap();
-            assert_eq!(order(&document), expected);
+        let list = "[\n Splines, // first\n Branches, Levels]";
+        let list = format!("lod: (priorities: {list}), format:");
+        for text in [BLANK.to_owned(), BLANK.replacen("format:", &list, 1)] {
+            let mut document = Document::new(text);
+            for (places, expected) in [
+                ([2, 0], [Levels, Splines, Branches]),
+                ([0, 1], [Splines, Levels, Branches]),
+                ([2, 1], [Splines, Branches, Levels]),
+            ] {
+                let written = (document.text(), document.reading().root.as_ref().unwrap());
+                let edit = moved(written, &order(&document), places);
+                document.apply("Move", None, edit).unwrap();
+                assert_eq!(order(&document), expected);
+            }
+            let plain = document.text().contains("[Splines, Branches, Levels]");
+            assert_ne!(plain, document.text().contains("// first"));
         }
     }
 }
