@@ -182,8 +182,33 @@ impl<'s> Pieces<'s> {
             &self.source[..self.inside.start],
             &self.source[self.inside.end..],
         );
-        format!("{before}{}{}{after}", self.parts.concat(), self.rest)
+        let inside = &self.source[self.inside.clone()];
+        let parts = if inside.contains('\n') {
+            self.parts.concat()
+        } else {
+            on_one_line(inside, &self.parts)
+        };
+        format!("{before}{parts}{}{after}", self.rest)
     }
+}
+
+/// Parts that stand on one line, as one writes them there: a space between two, and a comma behind the last only if
+/// there was one.
+fn on_one_line(before: &str, parts: &[String]) -> String {
+    let lead = &before[..before.len() - before.trim_start().len()];
+    let ends_with_comma = before.trim_end().ends_with(',');
+    let mut line = lead.to_owned();
+    for (index, part) in parts.iter().enumerate() {
+        let part = part.trim();
+        if index > 0 {
+            line.push(' ');
+        }
+        line.push_str(match part.strip_suffix(',') {
+            Some(bare) if index + 1 == parts.len() && !ends_with_comma => bare,
+            _ => part,
+        });
+    }
+    line
 }
 
 /// Where a part that ends at `from` ends with its comma and with the comment behind it on its line, and whether
@@ -233,6 +258,37 @@ mod tests {
     ],
 )
 ";
+
+    #[test]
+    fn a_list_on_one_line_stays_one() {
+        let script = "(points: [(0, 0), (0, 1), (1, 2)], names: [ a, b, ])";
+        let points = |text: String| text.split("], names").next().map(str::to_owned);
+        let is = |text: Result<String, EditError>, points_are: &str| {
+            assert_eq!(
+                points(text.unwrap()).unwrap(),
+                format!("(points: [{points_are}")
+            );
+        };
+        is(
+            insert(script, "points", 1, "(5, 5)"),
+            "(0, 0), (5, 5), (0, 1), (1, 2)",
+        );
+        is(
+            insert(script, "points", 9, "(5, 5)"),
+            "(0, 0), (0, 1), (1, 2), (5, 5)",
+        );
+        is(
+            insert(script, "points", 0, "(5, 5)"),
+            "(5, 5), (0, 0), (0, 1), (1, 2)",
+        );
+        is(remove(script, "points.2"), "(0, 0), (0, 1)");
+        is(remove(script, "points.0"), "(0, 1), (1, 2)");
+        is(reorder(script, "points.0", 2), "(0, 1), (1, 2), (0, 0)");
+        let names = reorder(script, "names.0", 1).unwrap();
+        assert!(names.ends_with("names: [ b, a, ])"), "{names}");
+        let fields = remove("(a: 1, b: 2, c: 3)", "b").unwrap();
+        assert_eq!(fields, "(a: 1, c: 3)");
+    }
 
     #[test]
     fn a_part_goes_with_its_comments_and_comes_back_by_being_put_in() {
