@@ -97,7 +97,10 @@ fn halved(picture: &Image<[u8; 4]>) -> Image<[u8; 4]> {
     let (width, height) = (picture.width() / 2, picture.height() / 2);
     let pixel = |x: u32, y: u32| {
         let four = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| picture.at(2 * x + i, 2 * y + j));
-        core::array::from_fn(|k| (four.iter().map(|p| u16::from(p[k])).sum::<u16>() / 4) as u8)
+        core::array::from_fn(|k| {
+            let sum: u16 = four.iter().map(|p| u16::from(p[k])).sum();
+            u8::try_from(sum / 4).unwrap_or(u8::MAX)
+        })
     };
     let rows = (0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y)));
     Image::from_texels(width, height, rows.collect())

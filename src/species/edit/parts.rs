@@ -183,12 +183,23 @@ impl<'s> Pieces<'s> {
             &self.source[self.inside.end..],
         );
         let inside = &self.source[self.inside.clone()];
-        let parts = if inside.contains('\n') {
-            self.parts.concat()
-        } else {
-            on_one_line(inside, &self.parts)
-        };
-        format!("{before}{parts}{}{after}", self.rest)
+        if !inside.contains('\n') {
+            let parts = on_one_line(inside, &self.parts);
+            return format!("{before}{parts}{}{after}", self.rest);
+        }
+        let mut text = before.to_owned();
+        for part in self.parts.iter().map(String::as_str).chain([self.rest]) {
+            // A comment to the end of its line must not swallow what comes to stand behind it.
+            let last_line = text.rsplit('\n').next().unwrap_or_default();
+            let goes_on = !part
+                .trim_start_matches([' ', '\t'])
+                .starts_with(['\n', '\r']);
+            if goes_on && last_line.contains("//") {
+                text.push('\n');
+            }
+            text.push_str(part);
+        }
+        text + after
     }
 }
 
@@ -258,6 +269,20 @@ mod tests {
     ],
 )
 ";
+
+    #[test]
+    fn no_comment_swallows_what_comes_behind_it() {
+        let script = "(list: [\n    a, // first\n    b, c])";
+        for (from, to) in [(0, 2), (0, 1), (2, 0)] {
+            let moved = reorder(script, &format!("list.{from}"), to).unwrap();
+            let (root, faults) = syntax::parse(&moved);
+            let list = child(&root.unwrap(), "list").cloned().unwrap();
+            let Kind::List(items) = list.kind else {
+                panic!("{moved}");
+            };
+            assert_eq!((items.len(), faults.len()), (3, 0), "{moved}");
+        }
+    }
 
     #[test]
     fn a_list_on_one_line_stays_one() {
@@ -352,9 +377,9 @@ mod tests {
     #[test]
     fn items_come_into_an_empty_list_and_go_from_a_list_of_one() {
         let one = insert("(a: [])", "a", 0, "(x: 1)").unwrap();
-        assert_eq!(one, "(a: [(x: 1),])");
+        assert_eq!(one, "(a: [(x: 1)])");
         assert_eq!(remove(&one, "a.0").unwrap(), "(a: [])");
-        assert_eq!(remove("Name(a: 1, b: 2)", "b").unwrap(), "Name(a: 1,)");
+        assert_eq!(remove("Name(a: 1, b: 2)", "b").unwrap(), "Name(a: 1)");
     }
 
     #[test]
