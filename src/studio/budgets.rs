@@ -66,15 +66,6 @@ pub(super) fn between(budgets: &[u64], index: usize) -> Option<u64> {
     is_sound.then_some(new)
 }
 
-/// True if the text has a list of the LOD part that is more than its items: comments, say, or a line for each. Such
-/// a list is changed item by item, and any other is written anew.
-pub(super) fn is_laid_out((source, root): (&str, &Node), list: &str) -> bool {
-    let lod = outline::field(root, "lod");
-    let list = lod.and_then(|lod| outline::field(lod, list));
-    let text = list.and_then(|list| source.get(list.span.clone()));
-    text.is_some_and(|text| text.contains(['\n', '/']))
-}
-
 /// A list as a script writes it.
 pub(super) fn list<T>(items: &[T], text: impl Fn(&T) -> String) -> String {
     let all: Vec<String> = items.iter().map(text).collect();
@@ -83,8 +74,8 @@ pub(super) fn list<T>(items: &[T], text: impl Fn(&T) -> String) -> String {
 
 /// Changes of the list, whether the text holds it already or means its default.
 pub(super) struct Budgets<'a> {
-    /// The text, and its values.
-    pub(super) written: (&'a str, &'a Node),
+    /// The text's values.
+    pub(super) root: &'a Node,
     /// The budgets that they mean.
     pub(super) budgets: &'a [u64],
 }
@@ -92,8 +83,9 @@ pub(super) struct Budgets<'a> {
 impl Budgets<'_> {
     const PATH: &'static str = "lod.budgets";
 
-    fn is_laid_out(&self) -> bool {
-        is_laid_out(self.written, "budgets")
+    fn is_written(&self) -> bool {
+        let lod = outline::field(self.root, "lod");
+        lod.and_then(|lod| outline::field(lod, "budgets")).is_some()
     }
 
     fn whole(budgets: &[u64]) -> Edit {
@@ -105,7 +97,7 @@ impl Budgets<'_> {
 
     /// Sets one of them.
     pub(super) fn set(&self, index: usize, budget: u64) -> Edit {
-        if self.is_laid_out() {
+        if self.is_written() {
             return Edit::Set {
                 path: format!("{}.{index}", Self::PATH),
                 value: budget.to_string(),
@@ -118,13 +110,6 @@ impl Budgets<'_> {
 
     /// Puts one in.
     pub(super) fn add(&self, index: usize, budget: u64) -> Edit {
-        if self.is_laid_out() {
-            return Edit::Insert {
-                list: Self::PATH.to_owned(),
-                index,
-                item: budget.to_string(),
-            };
-        }
         let mut budgets = self.budgets.to_vec();
         budgets.insert(index, budget);
         Self::whole(&budgets)
@@ -134,9 +119,6 @@ impl Budgets<'_> {
     pub(super) fn remove(&self, index: usize) -> Option<Edit> {
         if self.budgets.len() < 2 {
             return None;
-        }
-        if self.is_laid_out() {
-            return Some(Edit::Remove(format!("{}.{index}", Self::PATH)));
         }
         let mut budgets = self.budgets.to_vec();
         budgets.remove(index);
@@ -160,7 +142,7 @@ mod tests {
     fn change(document: &mut Document, edit: impl FnOnce(&Budgets<'_>) -> Option<Edit>) -> bool {
         let budgets = budgets(document);
         let edit = edit(&Budgets {
-            written: (document.text(), document.reading().root.as_ref().unwrap()),
+            root: document.reading().root.as_ref().unwrap(),
             budgets: &budgets,
         });
         let Some(edit) = edit else {
@@ -182,24 +164,17 @@ mod tests {
             let mut document = Document::new(text.to_owned());
             let before = budgets(&document);
             assert_eq!(before[0], first);
-            assert!(change(&mut document, |b| Some(b.set(1, 321))));
-            assert_eq!(budgets(&document)[..2], [first, 321]);
-            assert!(change(&mut document, |b| Some(b.add(1, 654))));
-            assert_eq!(budgets(&document)[..3], [first, 654, 321]);
-            if text != written {
-                assert!(
-                    document.text().contains(", 654, 321"),
-                    "{}",
-                    document.text()
-                );
-            }
-            assert!(change(&mut document, |b| b.remove(0)));
-            assert_eq!(budgets(&document)[..2], [654, 321]);
-            assert_eq!(budgets(&document).len(), before.len());
+            assert!(change(&mut document, |b| Some(b.set(1, 500))));
+            assert_eq!(budgets(&document)[..2], [first, 500]);
             assert_eq!(
                 document.text().contains("// near"),
                 text.contains("// near")
             );
+            assert!(change(&mut document, |b| Some(b.add(1, 654))));
+            assert_eq!(budgets(&document)[..3], [first, 654, 500]);
+            assert!(change(&mut document, |b| b.remove(0)));
+            assert_eq!(budgets(&document)[..2], [654, 500]);
+            assert_eq!(budgets(&document).len(), before.len());
             while change(&mut document, |b| b.remove(0)) {}
             assert_eq!(budgets(&document).len(), 1, "the last one stays");
         }

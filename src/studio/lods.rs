@@ -34,16 +34,12 @@ impl Panes<'_> {
             ui.add_space(2.0);
             let reading = self.document.reading();
             let lod = reading.species.as_ref().ok().map(|species| &species.lod);
-            let root = reading
-                .root
-                .as_ref()
-                .map(|root| (self.document.text(), root));
-            let written = root.zip(lod);
+            let written = reading.root.as_ref().zip(lod);
             let table = Table {
                 subject,
                 asset,
-                budgets: written.map(|(written, lod)| Budgets {
-                    written,
+                budgets: written.map(|(root, lod)| Budgets {
+                    root,
                     budgets: &lod.budgets,
                 }),
                 strip: Some(&self.judging.strip).filter(|_| self.judging.has_pictures_of(number)),
@@ -56,9 +52,9 @@ impl Panes<'_> {
             sideways(ui, "table", |ui| table.ui(ui, choice, &mut changes));
             table.finer(ui, &mut changes);
             self.measuring(ui, is_current);
-            if let Some((written, lod)) = written {
+            if let Some(lod) = lod {
                 ui.add_space(4.0);
-                priorities::ui(ui, written, lod, &mut changes);
+                priorities::ui(ui, lod, &mut changes);
             }
             for warning in &subject.warnings {
                 ui.small(format!("warning: {warning}"));

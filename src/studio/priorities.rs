@@ -1,18 +1,17 @@
 //! How LODs are chosen: the selector, and the order in which simplifications are tried.
 
-use super::budgets::{is_laid_out, list};
+use super::budgets::list;
 use super::document::Edit;
 use super::form::Change;
 use super::panes::named;
 use crate::species::schema::{Lod, LodSelector, Simplification};
-use crate::species::syntax::Node;
 use eframe::egui::{self, ComboBox, Frame, Id, RichText, Stroke, Ui};
 
 /// A simplification that is dragged: its place in the order.
 struct Dragged(usize);
 
 /// The selector and the order as widgets; what they ask for goes into `changes`.
-pub(super) fn ui(ui: &mut Ui, written: (&str, &Node), lod: &Lod, changes: &mut Vec<Change>) {
+pub(super) fn ui(ui: &mut Ui, lod: &Lod, changes: &mut Vec<Change>) {
     ui.horizontal_wrapped(|ui| {
         selector(ui, lod.selector, changes);
         let label = ui.label("and simplified in this order");
@@ -28,7 +27,7 @@ pub(super) fn ui(ui: &mut Ui, written: (&str, &Node), lod: &Lod, changes: &mut V
         for (index, what) in lod.priorities.iter().enumerate() {
             if let Some([from, to]) = item(ui, index, count, *what) {
                 let name = format!("Try {:?} in another place", lod.priorities[from]);
-                let edit = moved(written, &lod.priorities, [from, to]);
+                let edit = moved(&lod.priorities, [from, to]);
                 changes.push(Change::Edit(name, None, edit));
             }
         }
@@ -128,20 +127,13 @@ fn item(ui: &mut Ui, index: usize, count: usize, what: Simplification) -> Option
     wanted
 }
 
-/// Moves one of the order, whether the text holds it or means its default.
-fn moved(written: (&str, &Node), priorities: &[Simplification], [from, to]: [usize; 2]) -> Edit {
-    let path = "lod.priorities";
-    if is_laid_out(written, "priorities") {
-        return Edit::Reorder {
-            path: format!("{path}.{from}"),
-            to,
-        };
-    }
+/// Moves one of the order.
+fn moved(priorities: &[Simplification], [from, to]: [usize; 2]) -> Edit {
     let mut priorities = priorities.to_vec();
     let one = priorities.remove(from);
     priorities.insert(to.min(priorities.len()), one);
     Edit::Set {
-        path: path.to_owned(),
+        path: "lod.priorities".to_owned(),
         value: list(&priorities, |what| format!("{what:?}")),
     }
 }
@@ -168,13 +160,10 @@ mod tests {
                 ([0, 1], [Splines, Levels, Branches]),
                 ([2, 1], [Splines, Branches, Levels]),
             ] {
-                let written = (document.text(), document.reading().root.as_ref().unwrap());
-                let edit = moved(written, &order(&document), places);
+                let edit = moved(&order(&document), places);
                 document.apply("Move", None, edit).unwrap();
                 assert_eq!(order(&document), expected);
             }
-            let plain = document.text().contains("[Splines, Branches, Levels]");
-            assert_ne!(plain, document.text().contains("// first"));
         }
     }
 }
