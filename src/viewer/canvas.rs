@@ -118,6 +118,12 @@ impl Canvas {
         self.forget();
     }
 
+    /// How many LODs the tree has that is shown, and the triangles of its finest one.
+    pub(super) fn finest(&self) -> Option<(usize, u64)> {
+        let model = self.renderer.models().first()?;
+        Some((model.lods.len(), model.lods.first()?.triangles))
+    }
+
     /// Everything is to be drawn anew.
     fn forget(&mut self) {
         for sheet in &mut self.sheets {

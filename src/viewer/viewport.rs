@@ -61,6 +61,8 @@ pub struct Viewport {
     unframed: bool,
     /// What decides the picture, as it was in the frame before.
     last: Option<(Rig, Settings, [u32; 2])>,
+    /// True if another tree has come since the frame before, which counts as a move.
+    arrived: bool,
     /// When something moved last, seconds of the window's clock; none if it never did.
     moved: Option<f64>,
     /// When the frame before was begun, if something moved then.
@@ -88,6 +90,7 @@ impl Viewport {
             angles: [0.0; 2],
             unframed: true,
             last: None,
+            arrived: false,
             moved: None,
             before: None,
         })
@@ -118,8 +121,19 @@ impl Viewport {
 
     /// Shows a tree that such a thread has put on the device; the camera stays, but for the first tree.
     pub fn put(&mut self, model: Model) {
+        let before = self.canvas.finest();
         self.canvas.put(model);
-        self.pace.forget();
+        // One edit after another changes little of how long a picture takes.
+        let alike = |(lods, triangles): (usize, u64), (count, now): (usize, u64)| {
+            lods == count && now.max(triangles) <= now.min(triangles).saturating_mul(3) / 2
+        };
+        if !before
+            .zip(self.canvas.finest())
+            .is_some_and(|(a, b)| alike(a, b))
+        {
+            self.pace.forget();
+        }
+        self.arrived = true;
     }
 
     /// Keeps a camera that was used before the view was made anew.
@@ -298,7 +312,8 @@ impl Viewport {
             ..*settings
         };
         let now = (self.rig, settings, self.size);
-        self.last.replace(now) != Some(now)
+        let arrived = std::mem::take(&mut self.arrived);
+        self.last.replace(now) != Some(now) || arrived
     }
 
     /// Draws what is to be seen, as fine as there is time for, unless it is there already.
