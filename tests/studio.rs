@@ -94,6 +94,10 @@ fn main() -> ExitCode {
             "panels_look_as_they_did_in_both_themes",
             studio_looks::panels,
         ),
+        (
+            "points_of_a_spline_are_moved_in_the_picture",
+            studio_view::spline,
+        ),
     ])
 }
 

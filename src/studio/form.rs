@@ -5,7 +5,7 @@ use super::document::Edit;
 use super::drawings::{Drawings, Wish};
 use super::nearby;
 use super::outline;
-use super::parts::{Parts, number_of};
+use super::parts::{Parts, number_of, usual_step};
 use crate::species::fault::Fault;
 use crate::species::fields::{self, Absent, Field, Holds, Limits, Table};
 use crate::species::syntax::{self, Kind, Node};
@@ -334,6 +334,8 @@ impl Row<'_, '_> {
             return self.raw_value(ui, Some(label));
         };
         let before = parts.clone();
+        let usual = usual_step(self.field);
+        let unsaid = if parts.in_brackets { usual } else { 0.0 };
         let name = readable(self.field.name);
         ui.vertical(|ui| {
             ui.horizontal(|ui| {
@@ -357,7 +359,7 @@ impl Row<'_, '_> {
             }
             ui.horizontal(|ui| {
                 if is_angle {
-                    self.part(ui, "step", &mut parts.step, limits);
+                    self.part(ui, "step", (&mut parts.step, unsaid), limits);
                 }
                 let vary = if is_angle {
                     fields::ANGLE.field("vary")
@@ -369,18 +371,25 @@ impl Row<'_, '_> {
                     ..
                 }) = vary
                 {
-                    self.part(ui, "vary", &mut parts.vary, *limits);
+                    self.part(ui, "vary", (&mut parts.vary, 0.0), *limits);
                 }
             });
         });
         if parts != before {
-            self.set(parts.text());
+            self.set(parts.text_with(usual));
         }
     }
 
-    fn part(&mut self, ui: &mut Ui, what: &str, value: &mut Option<f64>, limits: Limits) {
+    /// A part of an angle or factor, and what it is where it is left out.
+    fn part(
+        &mut self,
+        ui: &mut Ui,
+        what: &str,
+        (value, unsaid): (&mut Option<f64>, f64),
+        limits: Limits,
+    ) {
         let label = ui.label(RichText::new(what).weak());
-        let mut number = value.unwrap_or(0.0);
+        let mut number = value.unwrap_or(unsaid);
         let widget = egui::DragValue::new(&mut number)
             .range(limits.min..=limits.max)
             .speed(f64::from(limits.max - limits.min).min(100.0) / 300.0)

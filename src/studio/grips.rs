@@ -12,7 +12,7 @@ use crate::tree::{Kind, Part, Tree};
 use crate::viewer::write;
 use eframe::egui::accesskit::Action;
 use eframe::egui::{
-    Align2, CursorIcon, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2,
+    Align2, CursorIcon, EventFilter, Id, Key, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2,
     WidgetInfo, vec2,
 };
 
@@ -27,15 +27,24 @@ pub(super) struct Held {
     place: f32,
     /// From the pointer to the handle's middle.
     off: Vec2,
+    pub(super) following: Following,
+}
+
+/// How far the tree has followed what is held.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Following {
     /// True once it was let go of, until the tree has followed.
     pub(super) is_released: bool,
     /// What the script said then.
     left: Option<String>,
 }
 
-impl Held {
+impl Following {
     /// True once the handles of the tree that is shown are right again, or the script says something else.
-    fn is_over(&mut self, scene: &Scene<'_>) -> bool {
+    pub(super) fn is_over(&mut self, scene: &Scene<'_>) -> bool {
+        if !self.is_released {
+            return false;
+        }
         let text = scene.document.text();
         let left = self.left.get_or_insert_with(|| text.to_owned());
         scene.is_up_to_date() || left != text
@@ -43,24 +52,28 @@ impl Held {
 }
 
 /// A handle's widget.
-struct Grip<'a> {
-    id: Id,
-    at: Pos2,
-    shaped: Shaped,
-    label: &'a str,
-    value: f64,
-    meaning: &'a str,
+pub(super) struct Grip<'a> {
+    pub(super) id: Id,
+    pub(super) at: Pos2,
+    pub(super) shaped: Shaped,
+    pub(super) label: &'a str,
+    /// What it sets, if that is one number.
+    pub(super) value: Option<f64>,
+    pub(super) meaning: &'a str,
 }
 
 impl Grip<'_> {
     /// Shows it; `None` where it is not in the picture.
-    fn ui(&self, ui: &Ui, rect: Rect) -> Option<Response> {
+    pub(super) fn ui(&self, ui: &Ui, rect: Rect) -> Option<Response> {
         let place = Rect::from_center_size(self.at, Vec2::splat(GRIP));
         if !rect.contains(self.at) {
             return None;
         }
         let response = ui.interact(place, self.id, Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::slider(true, self.value, self.label));
+        response.widget_info(|| match self.value {
+            Some(value) => WidgetInfo::slider(true, value, self.label),
+            None => WidgetInfo::labeled(Role::Button, true, self.label),
+        });
         let is_active = response.hovered() || response.dragged() || response.has_focus();
         marks::handle(&ui.painter_at(rect), self.at, self.shaped, is_active);
         let response = response.on_hover_cursor(CursorIcon::Grab);
@@ -69,7 +82,7 @@ impl Grip<'_> {
 }
 
 /// How far arrow keys and what stands in for them move a handle that has the focus: to the right, and up.
-fn keyed(ui: &Ui, response: &Response) -> [f32; 2] {
+pub(super) fn keyed(ui: &Ui, response: &Response) -> [f32; 2] {
     let id = response.id;
     let mut steps = [0.0; 2];
     if response.has_focus() {
@@ -102,7 +115,7 @@ fn keyed(ui: &Ui, response: &Response) -> [f32; 2] {
 }
 
 /// Where the pointer took hold, from there to the handle's middle.
-fn offset(ui: &Ui, at: Pos2) -> Vec2 {
+pub(super) fn offset(ui: &Ui, at: Pos2) -> Vec2 {
     let pressed = ui.input(|input| input.pointer.press_origin());
     pressed.map_or(Vec2::ZERO, |pressed| at - pressed)
 }
@@ -120,8 +133,7 @@ impl Hand {
             self.held = None;
             return;
         };
-        self.held
-            .take_if(|held| held.is_released && held.is_over(scene));
+        self.held.take_if(|held| held.following.is_over(scene));
         let chosen = self.chosen.as_ref().filter(|c| c.level == level.index);
         let node = scene.tree().zip(chosen).and_then(|(tree, chosen)| {
             let node = placed(tree, &chosen.way)?;
@@ -174,7 +186,7 @@ impl Hand {
                 Sets::Start | Sets::End => Shaped::Diamond,
             },
             label: &handle.label(),
-            value: handle.value(place),
+            value: Some(handle.value(place)),
             meaning: &handle.meaning(),
         };
         let Some(response) = grip.ui(ui, view.rect) else {
@@ -185,8 +197,7 @@ impl Hand {
                 handle: handle.clone(),
                 place,
                 off: offset(ui, at),
-                is_released: false,
-                left: None,
+                following: Following::default(),
             });
         }
         if response.dragged()
@@ -255,7 +266,7 @@ impl Hand {
                     at,
                     shaped: Shaped::Round,
                     label: &format!("Envelope point {}, {name}", point + 1),
-                    value: crown.value(point),
+                    value: Some(crown.value(point)),
                     meaning: &format!(
                         "The envelope that the tips stay within: {told}\nDrag it, or use the arrow keys."
                     ),

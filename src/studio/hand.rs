@@ -2,6 +2,8 @@
 //! selected, with handles that change it.
 
 use super::app::Order;
+use super::bearer;
+use super::bending::Bending;
 use super::document::Document;
 use super::form::Change;
 use super::grips::Held;
@@ -52,6 +54,35 @@ pub(super) struct Hand {
     over: Option<(Pos2, Camera, Option<Hit>)>,
     pub(super) chosen: Option<Chosen>,
     pub(super) held: Option<Held>,
+    pub(super) bending: Bending,
+}
+
+/// What is to bear handles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Bears {
+    /// A node of a level.
+    Level(usize),
+    /// A branch that was grown from a spline.
+    Spline(usize),
+}
+
+impl Bears {
+    fn is_item(self, item: &Item) -> bool {
+        match self {
+            Self::Level(level) => item.level == level,
+            Self::Spline(spline) => item.spline == Some(spline),
+        }
+    }
+
+    fn is_chosen(self, tree: &Tree, chosen: &Chosen) -> bool {
+        let node = bearer::node(tree, &chosen.way).filter(|node| node.level == chosen.level);
+        node.is_some_and(|node| match self {
+            Self::Level(level) => node.level == level,
+            Self::Spline(spline) => node
+                .branch()
+                .is_some_and(|b| usize::from(b.spline) == spline),
+        })
+    }
 }
 
 /// What the pointer moves over.
@@ -73,6 +104,15 @@ pub(super) struct Level<'a> {
     pub(super) index: usize,
 }
 
+/// The spline that is selected: where its struct stands in the script, and its number there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spline<'a> {
+    pub(super) path: &'a str,
+    pub(super) name: &'a str,
+    pub(super) node: &'a Node,
+    pub(super) index: usize,
+}
+
 impl<'a> Scene<'a> {
     pub(super) fn tree(&self) -> Option<&'a Tree> {
         self.shown.subject.asset().map(|asset| &asset.tree)
@@ -88,6 +128,18 @@ impl<'a> Scene<'a> {
             path: &page.path,
             node: outline::at(root, &page.path)?,
             index: levels.iter().position(named)?,
+        })
+    }
+
+    fn spline(&self) -> Option<Spline<'a>> {
+        let page = self.pages.iter().find(|p| p.path == self.selected)?;
+        let root = self.document.reading().root.as_ref()?;
+        (page.section == Section::Splines).then_some(())?;
+        Some(Spline {
+            path: &page.path,
+            name: &page.title,
+            node: outline::at(root, &page.path)?,
+            index: outline::number(&page.path)?,
         })
     }
 
@@ -111,13 +163,16 @@ impl Hand {
             over: None,
             chosen: None,
             held: None,
+            bending: Bending::default(),
         })
     }
 
     /// One frame over the picture of one tree.
     pub(super) fn ui(&mut self, ui: &mut Ui, scene: &Scene<'_>, orders: &mut Vec<Order>) {
         let level = scene.level();
-        let wanted = scene.response.contains_pointer() || (self.is_shown && level.is_some());
+        let spline = scene.spline();
+        let shows = self.is_shown && (level.is_some() || spline.is_some());
+        let wanted = scene.response.contains_pointer() || shows;
         self.look(ui, scene, wanted);
         if self.nodes_of(scene).is_some() {
             self.hover(ui, scene);
@@ -127,12 +182,20 @@ impl Hand {
             if let Some(nodes) = self.nodes_of(scene) {
                 let bearer = self.bearer(&nodes, level.index);
                 marks::level(ui, &scene.view, &nodes.items, (level.index, bearer));
-                self.choose(&nodes, &scene.view, level.index);
+                self.choose(&nodes, &scene.view, Bears::Level(level.index));
             }
             self.handles(ui, scene, level, orders);
             self.crown(ui, scene, level, orders);
         } else {
             self.held = None;
+        }
+        if let Some(spline) = spline.filter(|_| self.is_shown) {
+            if let Some(nodes) = self.nodes_of(scene) {
+                self.choose(&nodes, &scene.view, Bears::Spline(spline.index));
+            }
+            self.bend(ui, scene, spline, orders);
+        } else {
+            self.bending = Bending::default();
         }
         self.row(ui, scene.view.rect);
     }
@@ -240,14 +303,14 @@ impl Hand {
     }
 
     /// Chooses the node that bears the handles, if none is.
-    fn choose(&mut self, nodes: &Nodes, view: &Projection, level: usize) {
-        let there = |chosen: &Chosen| {
-            let node = picking::placed(&nodes.tree, &chosen.way);
-            chosen.level == level && node.is_some_and(|n| usize::from(n.link.level) == level)
-        };
+    fn choose(&mut self, nodes: &Nodes, view: &Projection, bears: Bears) {
+        let there = |chosen: &Chosen| bears.is_chosen(&nodes.tree, chosen);
         if !self.chosen.as_ref().is_some_and(there) {
-            let way = best(&nodes.items, view, level).map(|item| nodes.items.way(item));
-            self.chosen = way.map(|way| Chosen { level, way });
+            let item = best(&nodes.items, view, bears);
+            self.chosen = item.map(|item| Chosen {
+                level: nodes.items.all()[item].level,
+                way: nodes.items.way(item),
+            });
         }
     }
 
@@ -284,19 +347,19 @@ impl Hand {
     pub(super) fn rest(&mut self, orders: &mut Vec<Order>) {
         orders.push(Order::Change(Change::Rest));
         if let Some(held) = &mut self.held {
-            held.is_released = true;
+            held.following.is_released = true;
         }
     }
 }
 
-/// The node of a level that handles are best put on: in the middle of its parent, and seen long in the picture.
-fn best(items: &Items, view: &Projection, level: usize) -> Option<usize> {
+/// The node that handles are best put on: in the middle of its parent, and seen long in the picture.
+fn best(items: &Items, view: &Projection, bears: Bears) -> Option<usize> {
     let of_level = || {
         items
             .all()
             .iter()
             .enumerate()
-            .filter(|(_, i)| i.level == level)
+            .filter(|(_, item)| bears.is_item(item))
     };
     let places = of_level().map(|(_, item)| item.at);
     let (low, high) = places.fold((1.0_f32, 0.0_f32), |(l, h), at| (l.min(at), h.max(at)));
@@ -341,7 +404,7 @@ fn told(tree: &Tree, item: &Item) -> [String; 3] {
 }
 
 /// A length as a person says it: with two or three digits.
-fn metres(metres: f32) -> String {
+pub(super) fn metres(metres: f32) -> String {
     match metres {
         m if m >= 10.0 => format!("{m:.1} m"),
         m if m >= 1.0 => format!("{m:.2} m"),
@@ -387,7 +450,7 @@ mod tests {
             };
             let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(600.0, 600.0));
             let view = Projection::new(camera, rect);
-            let item = best(&items, &view, 1).unwrap();
+            let item = best(&items, &view, Bears::Level(1)).unwrap();
             let item = &items.all()[item];
             assert!((item.at - 0.65).abs() < 0.25, "{}", item.at);
             let axis = items.axis(item);
@@ -397,7 +460,7 @@ mod tests {
             assert_eq!((&*name, &*on), ("limbs", "on trunk"));
             assert!(size.contains("m long, radius "), "{size}");
         }
-        assert_eq!(best(&items, &views_nothing(), 1), None);
+        assert_eq!(best(&items, &views_nothing(), Bears::Level(1)), None);
     }
 
     fn views_nothing() -> Projection {

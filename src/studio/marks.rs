@@ -131,6 +131,16 @@ pub(super) fn handle(painter: &Painter, at: Pos2, shaped: Shaped, is_active: boo
     }
 }
 
+/// Draws the outline of a tube where it is cut across, over whatever is there.
+pub(super) fn ring(painter: &Painter, view: &Projection, corners: &[Vec3]) {
+    for stroke in [
+        Stroke::new(3.0, Color32::from_rgb(16, 34, 52)),
+        Stroke::new(1.5, HOVERED),
+    ] {
+        line(painter, view, corners, stroke);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,6 +7,8 @@
 
 pub mod adding;
 mod app;
+mod bearer;
+mod bending;
 mod browser;
 mod budgets;
 mod closeups;

@@ -1,8 +1,8 @@
 //! Angles and factors: by position on the parent, by link, and by chance.
 
 use super::curve::{self, Curve};
-use crate::species::fields::Limits;
-use crate::species::syntax::{Kind, Node};
+use crate::species::fields::{Absent, Field, Limits};
+use crate::species::syntax::{self, Kind, Node};
 
 /// An angle or factor as scripts have it.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +74,18 @@ impl Parts {
         format!("({})", fields.join(", "))
     }
 
+    /// As a script writes it where brackets without a step mean this one: what had no brackets has no step, either.
+    pub(super) fn text_with(&self, usual_step: f64) -> String {
+        let gets_brackets = !self.in_brackets && self.vary.is_some();
+        let step = (gets_brackets && usual_step != 0.0).then_some(0.0);
+        let step = self.step.or(step);
+        Self {
+            step,
+            ..self.clone()
+        }
+        .text()
+    }
+
     /// The same, changed by as much at every position, so far as all of it stays within its limits.
     pub(super) fn shifted(&self, by: f64, limits: Limits) -> Self {
         let (low, high) = self.at.range();
@@ -89,6 +101,15 @@ impl Parts {
     }
 }
 
+/// The step that brackets mean where they tell none: that of the field where it is left out.
+pub(super) fn usual_step(field: &Field) -> f64 {
+    let Absent::Means(text) = field.absent else {
+        return 0.0;
+    };
+    let parts = syntax::parse(text).0.as_ref().and_then(Parts::of);
+    parts.and_then(|parts| parts.step).unwrap_or(0.0)
+}
+
 /// A number's value.
 pub(super) fn number_of(node: &Node) -> Option<f64> {
     match &node.kind {
@@ -100,7 +121,8 @@ pub(super) fn number_of(node: &Node) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::species::syntax;
+    use crate::species::{self, NoFiles, fields};
+    use crate::studio::templates::BLANK;
 
     #[test]
     fn angles_and_factors_are_read_and_written_as_scripts_have_them() {
@@ -119,6 +141,30 @@ mod tests {
         for text in ["(vary: 0.2)", "(at: \"x\")", "(around: 3)", "true"] {
             assert_eq!(Parts::of(&syntax::parse(text).0.unwrap()), None, "{text}");
         }
+    }
+
+    #[test]
+    fn a_number_that_gets_chance_or_a_step_keeps_all_else() {
+        let usual = usual_step(fields::BRANCH.field("around").unwrap());
+        for (around, step, vary, text, read) in [
+            ("20", None, Some(15.0), "(at: 20, step: 0, vary: 15)", 0.0),
+            ("20", Some(90.0), None, "(at: 20, step: 90)", 90.0),
+            ("20", None, None, "20", 0.0),
+            ("(at: 20)", None, Some(15.0), "(at: 20, vary: 15)", 137.5),
+        ] {
+            let mut parts = Parts::of(&syntax::parse(around).0.unwrap()).unwrap();
+            (parts.step, parts.vary) = (step, vary);
+            let written = parts.text_with(usual);
+            assert_eq!(written, text, "{around}");
+            let script = BLANK.replace("links: 18,", &format!("links: 18, around: {written},"));
+            let species = species::parse("blank", &script, &NoFiles).unwrap();
+            assert_eq!(species.levels[1].placement.around.step, read, "{text}");
+        }
+        // Where brackets mean no step, none is told.
+        let down = usual_step(fields::BRANCH.field("down").unwrap());
+        let mut parts = Parts::of(&syntax::parse("50").0.unwrap()).unwrap();
+        parts.vary = Some(5.0);
+        assert_eq!(parts.text_with(down), "(at: 50, vary: 5)");
     }
 
     #[test]

@@ -34,6 +34,8 @@ pub(super) struct Item {
     pub(super) length: f32,
     /// Radius at the base in the world, metres; half the width of a leaf.
     pub(super) radius: f32,
+    /// The spline that it was grown from, if it is a branch.
+    pub(super) spline: Option<usize>,
     points: Range<usize>,
 }
 
@@ -143,6 +145,10 @@ impl Items {
                 (length, width * 0.5)
             }
         };
+        let spline = match &node.prototype.part {
+            Part::Branch(branch) => Some(usize::from(branch.spline)),
+            Part::Stool | Part::Leaf { .. } => None,
+        };
         self.balls.push(ball(&self.points[first..]));
         self.items.push(Item {
             level: node.level,
@@ -151,6 +157,7 @@ impl Items {
             at: node.at,
             length,
             radius,
+            spline,
             points: first..self.points.len(),
         });
     }

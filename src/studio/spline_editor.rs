@@ -24,15 +24,17 @@ const ROWS: usize = 24;
 const FINEST: f64 = 400.0;
 
 /// A spline as its page shows it.
+#[derive(Debug)]
 pub(super) struct Editor<'a> {
     /// Path of its struct.
     path: &'a str,
-    points: Vec<[f64; 3]>,
-    knots: Knots,
+    pub(super) points: Vec<[f64; 3]>,
+    pub(super) knots: Knots,
 }
 
 /// A change of the list of points.
-enum Touch {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Touch {
     Move(usize, [f64; 3]),
     Add(usize, [f64; 3]),
     Take(usize),
@@ -267,7 +269,7 @@ impl<'a> Editor<'a> {
     }
 
     /// A point half way to the next one, or as far beyond the last as that is from the one before it.
-    fn after(&self, index: usize) -> [f64; 3] {
+    pub(super) fn after(&self, index: usize) -> [f64; 3] {
         let a = self.points[index];
         match self.points.get(index + 1) {
             Some(b) => core::array::from_fn(|k| rounded((a[k] + b[k]) / 2.0)),
@@ -275,7 +277,8 @@ impl<'a> Editor<'a> {
         }
     }
 
-    fn change(&self, touch: Touch) -> Change {
+    /// What makes the script say it.
+    pub(super) fn change(&self, touch: Touch) -> Change {
         let list = format!("{}.points", self.path);
         let item = |index: usize| format!("{list}.{index}");
         match touch {
@@ -321,11 +324,13 @@ fn triple(node: &Node) -> Option<[f64; 3]> {
     Some([number_of(x)?, number_of(y)?, number_of(z)?])
 }
 
-fn written(point: [f64; 3]) -> String {
+/// A point as a script writes it.
+pub(super) fn written(point: [f64; 3]) -> String {
     format!("({})", point.map(number).join(", "))
 }
 
-fn rounded(value: f64) -> f64 {
+/// A coordinate in few digits.
+pub(super) fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 

@@ -6,7 +6,7 @@ use super::branch::Recipe;
 use super::growth::grown_up;
 use super::links::{self, ChildLevel};
 use super::{Branch, Kind, Limits, Link, Part, Prototype, Tree, TreeLevel};
-use crate::math::Vec3;
+use crate::math::{Quat, Vec3};
 use crate::rng::{Key, Parameter, unit_from_bits};
 use crate::species::schema::{BranchParams, Level, LevelKind, Size, Species};
 use rand::Rng;
@@ -284,8 +284,7 @@ fn branch(
     let mut size = 1.0;
     if script.parent.is_none() {
         // A trunk hangs on no link: its own turn and size are part of the prototype.
-        let turn = links::angle(&script.placement.around, key, Parameter::Around, 0.0, 0.0);
-        let turn = glam::Quat::from_rotation_y(turn);
+        let turn = own_turn(script, key);
         control.iter_mut().for_each(|point| *point = turn * *point);
         size = links::factor(&script.placement.scale, key, Parameter::Scale, 0.0);
     }
@@ -312,6 +311,28 @@ fn branch(
     .ok_or_else(|| GrowError::NoLength {
         level: script.name.clone(),
     })
+}
+
+/// The turn of a trunk about its own axis.
+fn own_turn(script: &Level, key: Key) -> Quat {
+    let turn = links::angle(&script.placement.around, key, Parameter::Around, 0.0, 0.0);
+    Quat::from_rotation_y(turn)
+}
+
+impl Tree {
+    /// The turn that is a part of a prototype's curve: none but for trunks, since others are turned by their links.
+    #[must_use]
+    pub fn own_turn(&self, species: &Species, level: usize, variant: usize) -> Quat {
+        let shift = usize::from(species.stems.is_some());
+        let script = level.checked_sub(shift).and_then(|l| species.levels.get(l));
+        match script.filter(|script| script.parent.is_none()) {
+            Some(script) => {
+                let key = Key::of_seed(self.seed).level(&script.name);
+                own_turn(script, key.with(variant as u64))
+            }
+            None => Quat::IDENTITY,
+        }
+    }
 }
 
 /// Control points, all but the first moved sideways by chance, as parts of the spline's extent.

@@ -2,7 +2,7 @@
 
 use super::{Outcome, PATIENCE, Window, click, on, picture, press, text, until};
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Rect, Vec2, vec2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use pleach::studio::{Studio, templates};
 use std::time::{Duration, Instant};
@@ -207,4 +207,115 @@ pub(super) fn oak() -> Outcome {
         picture(&mut window, &format!("oak_{level}"))?;
     }
     Ok(())
+}
+
+fn point(window: &Window, label: &str) -> Option<Pos2> {
+    let found = window.query_by_role_and_label(Role::Button, label);
+    found.map(|node| node.rect().center())
+}
+
+/// Points of a spline are moved, added and taken away on a branch that was grown from it.
+pub(super) fn spline() -> Outcome {
+    let mut window = grown(templates::BLANK)?;
+    click(&mut window, "limb");
+    wait(&mut window, "handles", |w| {
+        point(w, "Point 2 of limb").is_some()
+    })?;
+    assert_eq!(point(&window, "Point 0 of limb"), None, "that is the base");
+    let at = point(&window, "Point 2 of limb").expect("it is there");
+    window.hover_at(at);
+    wait(&mut window, "the radius", |w| {
+        w.query_by_label_contains("has a radius of").is_some()
+    })?;
+    picture(&mut window, "spline_points")?;
+
+    // A drag is one step, and the point stays where it was let go of.
+    let by = vec2(10.0, 30.0);
+    drag(&mut window, at, by);
+    picture(&mut window, "spline_dragged")?;
+    drop_at(&mut window, at + by);
+    until(&mut window, "the tree", Studio::is_up_to_date)?;
+    window.run_steps(4);
+    let begins = "(name: \"limb\", points: [(0, 0, 0), (0.1, 1, 0.1), (";
+    assert!(text(&window).contains(begins), "{}", text(&window));
+    assert_ne!(text(&window), templates::BLANK);
+    let now = point(&window, "Point 2 of limb").expect("it is there");
+    assert!(now.distance(at + by) < 8.0, "{now} from {at}");
+    picture(&mut window, "spline_bent")?;
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(text(&window), templates::BLANK, "it was more than one step");
+    until(&mut window, "the tree", Studio::is_up_to_date)?;
+
+    // Keys move, add and take away; the focus goes on to the new point.
+    window
+        .get_by_role_and_label(Role::Button, "Point 1 of limb")
+        .focus();
+    window.run_steps(2);
+    press(&mut window, Modifiers::NONE, Key::ArrowUp);
+    assert!(!text(&window).contains("(0.1, 1, 0.1)"));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    until(&mut window, "the tree", Studio::is_up_to_date)?;
+    press(&mut window, Modifiers::NONE, Key::Insert);
+    let added = "(0.1, 1, 0.1), (0.05, 1.5, 0.25), (0, 2, 0.4)]";
+    assert!(text(&window).contains(added), "{}", text(&window));
+    wait(&mut window, "the new point", |w| {
+        let new = w.query_by_role_and_label(Role::Button, "Point 3 of limb");
+        let focused = w.query_by_role_and_label(Role::Button, "Point 2 of limb");
+        new.is_some() && focused.is_some_and(|node| node.is_focused())
+    })?;
+    picture(&mut window, "spline_added")?;
+    press(&mut window, Modifiers::NONE, Key::Delete);
+    assert_eq!(text(&window), templates::BLANK);
+    wait(&mut window, "the points", |w| {
+        point(w, "Point 2 of limb").is_some()
+    })?;
+
+    // A double click on the line adds a point; it neither frames the tree nor selects a level.
+    let [one, two] = ["Point 1 of limb", "Point 2 of limb"].map(|l| point(&window, l));
+    let (one, two) = (one.expect("there"), two.expect("there"));
+    let middle = one + (two - one) * 0.5;
+    window.hover_at(middle);
+    window.run_steps(2);
+    for _ in 0..2 {
+        for pressed in [true, false] {
+            let pos = middle;
+            window.input_mut().events.push(Event::PointerButton {
+                pos,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+        }
+    }
+    window.run_steps(3);
+    let count = |window: &Window| {
+        let species = window.state().document().reading().species.as_ref();
+        species.map_or(0, |species| species.splines[1].points.len())
+    };
+    assert_eq!(count(&window), 4, "{}", text(&window));
+    wait(&mut window, "the new point", |w| {
+        point(w, "Point 3 of limb").is_some()
+    })?;
+    let new = point(&window, "Point 2 of limb").expect("there");
+    assert!(new.distance(middle) < 8.0, "{new} {middle}");
+    // And a right click takes one away.
+    for pressed in [true, false] {
+        window.input_mut().events.push(Event::PointerButton {
+            pos: new,
+            button: PointerButton::Secondary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+    }
+    window.run_steps(3);
+    assert_eq!(text(&window), templates::BLANK);
+
+    // The trunk's spline is on the trunk.
+    let splines: Vec<_> = window.get_all_by_label("trunk").collect();
+    splines[splines.len() - 1].click_accesskit();
+    drop(splines);
+    wait(&mut window, "the trunk's points", |w| {
+        point(w, "Point 3 of trunk").is_some()
+    })?;
+    picture(&mut window, "spline_trunk")
 }

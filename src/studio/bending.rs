@@ -1,0 +1,217 @@
+//! The points of a spline in the picture: handles on a branch that was grown from it, moved in the picture's plane.
+
+use super::app::Order;
+use super::bearer::Bearer;
+use super::grips::{Following, Grip, keyed, offset};
+use super::hand::{Hand, Scene, Spline, metres};
+use super::marks::{self, Shaped};
+use super::spline_editor::{Editor, Touch, written};
+use crate::math::Vec3;
+use crate::viewer::write;
+use eframe::egui::{
+    Align2, CursorIcon, Key, PointerButton, Rect, Response, Role, Sense, Stroke, Ui, Vec2,
+    WidgetInfo, vec2,
+};
+
+/// Edge of the square in which the line takes a double click, points.
+const GRIP: f32 = 14.0;
+
+/// What is done to a spline in the picture.
+#[derive(Debug, Default)]
+pub(super) struct Bending {
+    held: Option<Pulled>,
+    /// The point that is to have the focus once the tree has followed.
+    focus: Option<usize>,
+}
+
+/// A point that is held, and its branch as it was when it was taken hold of: the tree that follows lags behind.
+#[derive(Debug)]
+struct Pulled {
+    bearer: Bearer,
+    point: usize,
+    /// Where it is now.
+    at: Vec3,
+    /// From the pointer to the handle's middle.
+    off: Vec2,
+    following: Following,
+}
+
+/// What handles are made from.
+#[derive(Clone, Copy)]
+struct Bent<'a> {
+    spline: Spline<'a>,
+    editor: &'a Editor<'a>,
+    bearer: &'a Bearer,
+}
+
+impl Hand {
+    /// The line and the points of a spline on the chosen branch.
+    pub(super) fn bend(
+        &mut self,
+        ui: &Ui,
+        scene: &Scene<'_>,
+        spline: Spline<'_>,
+        orders: &mut Vec<Order>,
+    ) {
+        let held = &mut self.bending.held;
+        held.take_if(|held| held.following.is_over(scene));
+        let bearer = || {
+            let species = scene.document.reading().species.as_ref().ok()?;
+            let editor = Editor::of(spline.path, spline.node)?;
+            let branch = (scene.tree()?, &*self.chosen.as_ref()?.way);
+            let bearer = Bearer::of(species, branch, (spline.index, &editor))?;
+            Some((editor, bearer))
+        };
+        let Some((editor, bearer)) = bearer() else {
+            return;
+        };
+        let painter = ui.painter_at(scene.view.rect);
+        let stroke = Stroke::new(2.0, marks::SELECTED);
+        marks::line(&painter, &scene.view, &bearer.line(), stroke);
+        let bent = Bent {
+            spline,
+            editor: &editor,
+            bearer: &bearer,
+        };
+        let mut touches = bent.line(ui, scene);
+        let mut focus = None;
+        for point in bearer.points() {
+            if let Some(response) = self.point(ui, scene, bent, point, &mut touches) {
+                let is_free = ui.memory(|memory| memory.focused().is_none());
+                if self
+                    .bending
+                    .focus
+                    .take_if(|focus| *focus == point)
+                    .is_some()
+                    && is_free
+                {
+                    response.request_focus();
+                }
+                focus = bent.keys(ui, (&response, point), &mut touches).or(focus);
+            }
+        }
+        self.bending.focus = focus.or(self.bending.focus);
+        let changes = touches.into_iter().map(|touch| editor.change(touch));
+        orders.extend(changes.map(Order::Change));
+    }
+
+    /// The handle of a point, as the pointer moves it.
+    fn point(
+        &mut self,
+        ui: &Ui,
+        scene: &Scene<'_>,
+        bent: Bent<'_>,
+        point: usize,
+        touches: &mut Vec<Touch>,
+    ) -> Option<Response> {
+        let (view, bearer) = (&scene.view, bent.bearer);
+        let held = self.bending.held.as_ref().filter(|h| h.point == point);
+        let place = held.map_or_else(|| bearer.at(point), |held| held.at);
+        let at = view.place(place)?;
+        let radius = metres(bearer.radius(point));
+        let label = format!("Point {point} of {}", bent.spline.name);
+        let grip = Grip {
+            id: ui.scope_id().with(("spline point", point)),
+            at,
+            shaped: Shaped::Round,
+            label: &label,
+            value: None,
+            meaning: &format!(
+                "{label}, where the branch has a radius of {radius}\nDrag it, or use the arrow keys; Insert adds one behind it.\nA right click or Delete takes it away."
+            ),
+        };
+        let response = grip.ui(ui, view.rect)?;
+        if response.hovered() || response.dragged() || response.has_focus() {
+            let painter = ui.painter_at(view.rect);
+            marks::ring(&painter, view, &bearer.ring(point, place));
+        }
+        if response.drag_started_by(PointerButton::Primary) {
+            self.bending.held = Some(Pulled {
+                bearer: bearer.clone(),
+                point,
+                at: place,
+                off: offset(ui, at),
+                following: Following::default(),
+            });
+        }
+        let held = self.bending.held.as_mut().filter(|h| h.point == point);
+        if let Some(held) = held {
+            if response.dragged_by(PointerButton::Primary)
+                && let Some(pointer) = response.interact_pointer_pos()
+            {
+                let ray = view.ray(pointer + held.off);
+                let to = ray.meets(held.bearer.at(point), view.camera.forward());
+                let to = to.unwrap_or(held.at);
+                let moved = held.bearer.moved(point, to);
+                if to != held.at {
+                    held.at = to;
+                    touches.push(Touch::Move(point, moved));
+                }
+                let words = format!("{}, radius {radius}", written(moved));
+                write(ui, at + vec2(12.0, -12.0), Align2::LEFT_BOTTOM, &words);
+            }
+            held.following.is_released |= response.drag_stopped();
+        }
+        if response.drag_stopped() || response.lost_focus() {
+            touches.push(Touch::Rest);
+        }
+        let [right, up] = keyed(ui, &response);
+        if (right != 0.0 || up != 0.0) && self.bending.held.is_none() {
+            let [x, y] = view.camera.sides();
+            let by = (x * right + y * up) * bearer.step();
+            touches.push(Touch::Move(point, bearer.nudged(point, by)));
+        }
+        Some(response)
+    }
+}
+
+impl Bent<'_> {
+    /// A double click on the line adds a point there.
+    fn line(&self, ui: &Ui, scene: &Scene<'_>) -> Vec<Touch> {
+        let over = scene.response.contains_pointer() && !scene.response.dragged();
+        let pointer = ui.input(|input| input.pointer.hover_pos());
+        let near = pointer
+            .filter(|_| over && !self.bearer.points().is_empty())
+            .and_then(|pointer| self.bearer.nearest(&scene.view, pointer));
+        let Some((at, span, part)) = near else {
+            return Vec::new();
+        };
+        // It stands before the picture, where a click means what is under it, and a double click frames the tree.
+        let place = Rect::from_center_size(at, Vec2::splat(GRIP));
+        let id = ui.scope_id().with("spline line");
+        let response = ui.interact(place, id, Sense::CLICK);
+        response.widget_info(|| {
+            let label = format!("Line of {}", self.spline.name);
+            WidgetInfo::labeled(Role::Canvas, true, label)
+        });
+        let response = response.on_hover_cursor(CursorIcon::Crosshair);
+        let response = response.on_hover_text("A double click adds a point");
+        let point = self.bearer.between(span, part);
+        match point.filter(|_| response.double_clicked()) {
+            Some(point) => vec![Touch::Add(span + 1, point), Touch::Rest],
+            None => Vec::new(),
+        }
+    }
+
+    /// Adds a point behind one that has the focus, or takes one away. Gives the one that is to have the focus then.
+    fn keys(
+        &self,
+        ui: &Ui,
+        (response, point): (&Response, usize),
+        touches: &mut Vec<Touch>,
+    ) -> Option<usize> {
+        let focused = response.has_focus();
+        let pressed = |key| focused && ui.input(|input| input.key_pressed(key));
+        let count = self.editor.points.len();
+        if (response.secondary_clicked() || pressed(Key::Delete)) && count > 2 {
+            touches.extend([Touch::Take(point), Touch::Rest]);
+            return focused.then_some(point.min(count - 2));
+        }
+        if pressed(Key::Insert) || pressed(Key::Enter) {
+            let new = self.editor.after(point);
+            touches.extend([Touch::Add(point + 1, new), Touch::Rest]);
+            return Some(point + 1);
+        }
+        None
+    }
+}
