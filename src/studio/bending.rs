@@ -9,8 +9,7 @@ use super::spline_editor::{Editor, Touch, written};
 use crate::math::Vec3;
 use crate::viewer::write;
 use eframe::egui::{
-    Align2, CursorIcon, Key, PointerButton, Rect, Response, Role, Sense, Stroke, Ui, Vec2,
-    WidgetInfo, vec2,
+    Align2, CursorIcon, Key, PointerButton, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, vec2,
 };
 
 /// Edge of the square in which the line takes a double click, points.
@@ -24,13 +23,16 @@ pub(super) struct Bending {
     focus: Option<usize>,
 }
 
-/// A point that is held, and its branch as it was when it was taken hold of: the tree that follows lags behind.
+/// A point that is held.
 #[derive(Debug)]
 struct Pulled {
-    bearer: Bearer,
+    /// Its branch as it was when it was taken hold of.
+    from: Bearer,
+    /// And as it is to be; the tree that follows lags behind.
+    bent: Bearer,
     point: usize,
-    /// Where it is now.
-    at: Vec3,
+    /// Where it was drawn to.
+    to: Vec3,
     /// From the pointer to the handle's middle.
     off: Vec2,
     following: Following,
@@ -65,9 +67,10 @@ impl Hand {
         let Some((editor, bearer)) = bearer() else {
             return;
         };
+        let held = self.bending.held.as_ref();
+        let bearer = held.map_or(bearer, |held| held.bent.clone());
         let painter = ui.painter_at(scene.view.rect);
-        let stroke = Stroke::new(2.0, marks::SELECTED);
-        marks::line(&painter, &scene.view, &bearer.line(), stroke);
+        marks::cased(&painter, &scene.view, &bearer.line(), marks::SELECTED);
         let bent = Bent {
             spline,
             editor: &editor,
@@ -105,8 +108,7 @@ impl Hand {
         touches: &mut Vec<Touch>,
     ) -> Option<Response> {
         let (view, bearer) = (&scene.view, bent.bearer);
-        let held = self.bending.held.as_ref().filter(|h| h.point == point);
-        let place = held.map_or_else(|| bearer.at(point), |held| held.at);
+        let place = bearer.at(point);
         let at = view.place(place)?;
         let radius = metres(bearer.radius(point));
         let label = format!("Point {point} of {}", bent.spline.name);
@@ -123,13 +125,14 @@ impl Hand {
         let response = grip.ui(ui, view.rect)?;
         if response.hovered() || response.dragged() || response.has_focus() {
             let painter = ui.painter_at(view.rect);
-            marks::ring(&painter, view, &bearer.ring(point, place));
+            marks::cased(&painter, view, &bearer.ring(point), marks::HOVERED);
         }
         if response.drag_started_by(PointerButton::Primary) {
             self.bending.held = Some(Pulled {
-                bearer: bearer.clone(),
+                from: bearer.clone(),
+                bent: bearer.clone(),
                 point,
-                at: place,
+                to: place,
                 off: offset(ui, at),
                 following: Following::default(),
             });
@@ -140,15 +143,20 @@ impl Hand {
                 && let Some(pointer) = response.interact_pointer_pos()
             {
                 let ray = view.ray(pointer + held.off);
-                let to = ray.meets(held.bearer.at(point), view.camera.forward());
-                let to = to.unwrap_or(held.at);
-                let moved = held.bearer.moved(point, to);
-                if to != held.at {
-                    held.at = to;
-                    touches.push(Touch::Move(point, moved));
+                let to = ray.meets(held.from.at(point), view.camera.forward());
+                if let Some(to) = to.filter(|to| *to != held.to) {
+                    held.to = to;
+                    held.bent = held.from.bent(point, to);
+                    touches.push(Touch::Move(point, held.bent.said(point)));
                 }
-                let words = format!("{}, radius {radius}", written(moved));
-                write(ui, at + vec2(12.0, -12.0), Align2::LEFT_BOTTOM, &words);
+                let words = format!("{}, radius {radius}", written(held.bent.said(point)));
+                // Toward the middle, where there is room.
+                let (aside, align) = if at.x > view.rect.center().x {
+                    (-12.0, Align2::RIGHT_BOTTOM)
+                } else {
+                    (12.0, Align2::LEFT_BOTTOM)
+                };
+                write(ui, at + vec2(aside, -12.0), align, &words);
             }
             held.following.is_released |= response.drag_stopped();
         }

@@ -77,6 +77,10 @@ impl Grip<'_> {
         let is_active = response.hovered() || response.dragged() || response.has_focus();
         marks::handle(&ui.painter_at(rect), self.at, self.shaped, is_active);
         let response = response.on_hover_cursor(CursorIcon::Grab);
+        // Who drags it knows what it is.
+        if response.dragged() {
+            return Some(response);
+        }
         Some(response.on_hover_text(self.meaning))
     }
 }

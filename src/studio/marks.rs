@@ -10,7 +10,10 @@ use eframe::egui::{Color32, Painter, Pos2, Shape, Stroke, Ui, vec2};
 pub(super) const SELECTED: Color32 = Color32::from_rgb(125, 200, 255);
 
 /// Colour of what is under the pointer.
-const HOVERED: Color32 = Color32::from_rgb(255, 236, 170);
+pub(super) const HOVERED: Color32 = Color32::from_rgb(255, 236, 170);
+
+/// Colour of outlines.
+const DARK: Color32 = Color32::from_rgb(16, 34, 52);
 
 /// Most lines of a level.
 const LINES: usize = 4000;
@@ -112,7 +115,7 @@ pub(super) enum Shaped {
 pub(super) fn handle(painter: &Painter, at: Pos2, shaped: Shaped, is_active: bool) {
     let fill = if is_active { Color32::WHITE } else { SELECTED };
     let radius = if is_active { 6.5 } else { 5.0 };
-    let stroke = Stroke::new(1.5, Color32::from_rgb(16, 34, 52));
+    let stroke = Stroke::new(1.5, DARK);
     match shaped {
         Shaped::Round => {
             painter.circle(at, radius, fill, stroke);
@@ -131,14 +134,15 @@ pub(super) fn handle(painter: &Painter, at: Pos2, shaped: Shaped, is_active: boo
     }
 }
 
-/// Draws the outline of a tube where it is cut across, over whatever is there.
-pub(super) fn ring(painter: &Painter, view: &Projection, corners: &[Vec3]) {
-    for stroke in [
-        Stroke::new(3.0, Color32::from_rgb(16, 34, 52)),
-        Stroke::new(1.5, HOVERED),
-    ] {
-        line(painter, view, corners, stroke);
-    }
+/// Draws a polyline with dark sides, to be seen on the sky, on leaves and on handles.
+pub(super) fn cased(painter: &Painter, view: &Projection, points: &[Vec3], colour: Color32) {
+    line(
+        painter,
+        view,
+        points,
+        Stroke::new(4.0, DARK.gamma_multiply(0.6)),
+    );
+    line(painter, view, points, Stroke::new(2.0, colour));
 }
 
 #[cfg(test)]
