@@ -169,7 +169,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// All LODs of a tree that may lack the full one, against that: `full` is [`reference`] of the same tree.
+    /// All LODs of a tree that may lack the full one, against that: `full` is [`reference()`] of the same tree.
     #[must_use]
     pub fn of_grown(asset: &'a TreeAsset, full: &'a Mesh) -> Self {
         Self {
