@@ -55,8 +55,11 @@ impl Hand {
         spline: Spline<'_>,
         orders: &mut Vec<Order>,
     ) {
-        let held = &mut self.bending.held;
-        held.take_if(|held| held.following.is_over(scene));
+        let is_down = ui.input(|input| input.pointer.any_down());
+        self.bending.held.take_if(|held| {
+            held.following.is_released |= !is_down;
+            held.following.is_over(scene)
+        });
         let bearer = || {
             let species = scene.document.reading().species.as_ref().ok()?;
             let editor = Editor::of(spline.path, spline.node)?;
@@ -138,27 +141,25 @@ impl Hand {
             });
         }
         let held = self.bending.held.as_mut().filter(|h| h.point == point);
-        if let Some(held) = held {
-            if response.dragged_by(PointerButton::Primary)
-                && let Some(pointer) = response.interact_pointer_pos()
-            {
-                let ray = view.ray(pointer + held.off);
-                let to = ray.meets(held.from.at(point), view.camera.forward());
-                if let Some(to) = to.filter(|to| *to != held.to) {
-                    held.to = to;
-                    held.bent = held.from.bent(point, to);
-                    touches.push(Touch::Move(point, held.bent.said(point)));
-                }
-                let words = format!("{}, radius {radius}", written(held.bent.said(point)));
-                // Toward the middle, where there is room.
-                let (aside, align) = if at.x > view.rect.center().x {
-                    (-12.0, Align2::RIGHT_BOTTOM)
-                } else {
-                    (12.0, Align2::LEFT_BOTTOM)
-                };
-                write(ui, at + vec2(aside, -12.0), align, &words);
+        if response.dragged_by(PointerButton::Primary)
+            && let Some(held) = held
+            && let Some(pointer) = response.interact_pointer_pos()
+        {
+            let ray = view.ray(pointer + held.off);
+            let to = ray.meets(held.from.at(point), view.camera.forward());
+            if let Some(to) = to.filter(|to| *to != held.to) {
+                held.to = to;
+                held.bent = held.from.bent(point, to);
+                touches.push(Touch::Move(point, held.bent.said(point)));
             }
-            held.following.is_released |= response.drag_stopped();
+            let words = format!("{}, radius {radius}", written(held.bent.said(point)));
+            // Toward the middle, where there is room.
+            let (aside, align) = if at.x > view.rect.center().x {
+                (-12.0, Align2::RIGHT_BOTTOM)
+            } else {
+                (12.0, Align2::LEFT_BOTTOM)
+            };
+            write(ui, at + vec2(aside, -12.0), align, &words);
         }
         if response.drag_stopped() || response.lost_focus() {
             touches.push(Touch::Rest);

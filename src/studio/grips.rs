@@ -66,7 +66,9 @@ impl Grip<'_> {
     /// Shows it; `None` where it is not in the picture.
     pub(super) fn ui(&self, ui: &Ui, rect: Rect) -> Option<Response> {
         let place = Rect::from_center_size(self.at, Vec2::splat(GRIP));
-        if !rect.contains(self.at) {
+        // What is drawn out of the picture is still held.
+        let held = [ui.ctx().dragged_id(), ui.ctx().drag_stopped_id()];
+        if !rect.contains(self.at) && !held.contains(&Some(self.id)) {
             return None;
         }
         let response = ui.interact(place, self.id, Sense::click_and_drag());

@@ -319,5 +319,10 @@ pub(super) fn spline() -> Outcome {
     wait(&mut window, "the trunk's points", |w| {
         point(w, "Point 3 of trunk").is_some()
     })?;
+    let at = point(&window, "Point 1 of trunk").expect("there");
+    window.hover_at(at);
+    wait(&mut window, "the radius", |w| {
+        w.query_by_label_contains(" cm\nDrag it").is_some()
+    })?;
     picture(&mut window, "spline_trunk")
 }
