@@ -90,6 +90,15 @@ fn main() -> ExitCode {
             "dropped_pictures_become_those_of_the_page_that_is_shown",
             studio_manners::dropped,
         ),
+        ("what_is_being_typed_is_saved", studio_manners::typing),
+        (
+            "a_file_that_was_changed_just_now_is_not_replaced_unasked",
+            studio_manners::outran,
+        ),
+        (
+            "of_two_texts_that_were_left_none_is_lost",
+            studio_manners::both_left,
+        ),
         (
             "panels_look_as_they_did_in_both_themes",
             studio_looks::panels,

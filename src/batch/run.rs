@@ -137,6 +137,9 @@ fn make(item: &Item, options: &RunOptions, progress: &dyn Progress) -> Result<Tr
     })?;
     let packed = pack::build(&asset, item.script.as_bytes(), options.pack)
         .map_err(|error| failed(error.to_string()))?;
+    if progress.cancelled() {
+        return Err(Outcome::Cancelled);
+    }
     pack::write(&options.out, &item.folder, &packed, options.replace).map_err(
         |error: WriteError| Outcome::Failed {
             machine: error.is_machine_fault(),

@@ -136,6 +136,8 @@ pub struct Studio {
     closeups: Closeups,
     drawings: RefCell<Drawings>,
     pub(super) seeds: Seeds,
+    /// What is done in the next frame, once what was typed in this one is taken.
+    postponed: Vec<Order>,
     /// How many trees were shown.
     pub(super) shows: u64,
     hand: Hand,
@@ -208,6 +210,7 @@ impl Studio {
             closeups: Closeups::default(),
             drawings: RefCell::new(Drawings::start(wake.clone())?),
             seeds: Seeds::start(wake)?,
+            postponed: Vec::new(),
             shows: 0,
             // Who keeps nothing would see them each time.
             shows_hints: begin.kept.keeps() && begin.kept.now.hints,
@@ -256,19 +259,23 @@ impl Studio {
         self.message.as_ref().map(|(text, _)| text.as_str())
     }
 
-    pub(super) fn keep(&mut self) {
+    /// Keeps what is unsaved over a kill; false if it cannot.
+    pub(super) fn keep(&mut self) -> bool {
         // A new document to which nothing was done is nothing to lose.
         let note = self.document.note().filter(|_| self.has_work());
         if self.journal.is_none() && note.is_some() {
             let folder = self.notes.as_deref();
             self.journal = folder.and_then(|folder| Journal::open(folder).ok());
         }
-        if let Some(journal) = &mut self.journal
-            && let Err(error) = journal.keep(note.as_ref())
-        {
+        let Some(journal) = &mut self.journal else {
+            return false;
+        };
+        if let Err(error) = journal.keep(note.as_ref()) {
             let text = format!("what is unsaved cannot be kept over a crash: {error}");
             self.message = Some((text, f64::MAX));
+            return false;
         }
+        true
     }
 
     pub(super) fn say(&mut self, ui: &Ui, text: impl Into<String>) {
@@ -288,6 +295,9 @@ impl Studio {
         self.document = document;
         self.copier.stop();
         self.selected = String::new();
+        // The tree of another script is no last sound one of this.
+        (self.shown, self.grown) = (None, None);
+        self.view.reframe();
         self.renew();
     }
 
@@ -310,6 +320,7 @@ impl Studio {
 
     pub(super) fn obey(&mut self, ui: &Ui, order: Order) {
         match order {
+            Order::Ask(Next::Close) if self.writer.stage().is_some() => self.say(ui, EXPORTING),
             Order::Ask(next) if self.document.is_unsaved() && self.has_work() => {
                 self.question = Some(Question::Unsaved(next));
             }
@@ -374,12 +385,24 @@ impl Studio {
     }
 }
 
+/// Told when a window is to be closed that is still writing.
+const EXPORTING: &str = "packs are still being written: wait for them, or cancel the export";
+
+/// True for what is done with the whole text, to which words that are being typed belong.
+fn takes_text(order: &Order) -> bool {
+    matches!(
+        order,
+        Order::Save | Order::SaveAs | Order::Export | Order::Ask(_)
+    )
+}
+
 impl Studio {
     /// One frame of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
         self.settle(ui);
         self.listen(ui);
         self.rest(ui);
+        let postponed = std::mem::take(&mut self.postponed);
         let mut orders = Vec::new();
         if self.question.is_none() {
             menu::pressed(ui, &mut orders);
@@ -403,8 +426,16 @@ impl Studio {
         self.export_bar(ui);
         self.panes(ui, &mut orders);
         self.hints(ui);
-        for order in orders {
+        let (later, now): (Vec<_>, Vec<_>) = orders.into_iter().partition(takes_text);
+        for order in now.into_iter().chain(postponed) {
             self.obey(ui, order);
+        }
+        if !later.is_empty() && self.lets_go(ui) {
+            self.postponed.extend(later);
+        } else {
+            for order in later {
+                self.obey(ui, order);
+            }
         }
         self.drops(ui);
         self.asking(ui);
@@ -503,11 +534,36 @@ impl Studio {
             return ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
         }
         let wanted = ui.input(|i| i.viewport().close_requested());
-        if wanted && !self.closing && self.document.is_unsaved() && self.has_work() {
+        if !wanted || self.closing {
+            return;
+        }
+        let stay = || {
             ui.ctx()
                 .send_viewport_cmd(egui::ViewportCommand::CancelClose);
+        };
+        if matches!(self.question, Some(Question::Conflict(_))) {
+            stay();
+        } else if self.lets_go(ui) {
+            // What is being typed is taken first.
+            stay();
+            self.postponed.push(Order::Ask(Next::Close));
+        } else if self.writer.stage().is_some() {
+            stay();
+            self.say(ui, EXPORTING);
+        } else if self.document.is_unsaved() && self.has_work() {
+            stay();
             self.question = Some(Question::Unsaved(Next::Close));
         }
+    }
+
+    /// Takes the focus from whatever is typed in, so that it gives its words; false if nothing is.
+    fn lets_go(&self, ui: &Ui) -> bool {
+        let focused = ui.memory(egui::Memory::focused);
+        if let Some(id) = focused {
+            ui.memory_mut(|memory| memory.surrender_focus(id));
+            ui.ctx().request_repaint();
+        }
+        focused.is_some()
     }
 }
 

@@ -129,9 +129,12 @@ pub(super) fn ui(ui: &mut Ui, label: &str, curve: &mut Curve, limits: Limits) ->
     if response.double_clicked() {
         if let Some(at) = response.interact_pointer_pos() {
             let [x, y] = frame.value(at);
-            let index = points.partition_point(|p| p[0] < x);
-            points.insert(index, [x.clamp(0.0, 1.0), y]);
-            changed = true;
+            // Positions rise.
+            if points.iter().all(|p| (p[0] - x).abs() >= APART) {
+                let index = points.partition_point(|p| p[0] < x);
+                points.insert(index, [x, y]);
+                changed = true;
+            }
         }
     } else if response.secondary_clicked() && points.len() > 1 {
         let hit = response

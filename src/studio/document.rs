@@ -96,7 +96,8 @@ impl Document {
     /// If it cannot be read or is not text. Faults inside it are no error: they are to be mended here.
     pub fn open(path: &Path) -> io::Result<Self> {
         let text = std::fs::read_to_string(path)?;
-        Ok(Self::of(text.clone(), Some(path.to_owned()), Some(text)))
+        let path = std::path::absolute(path)?;
+        Ok(Self::of(text.clone(), Some(path), Some(text)))
     }
 
     /// A document that a killed window has left, with all that was unsaved in it as one step.
@@ -195,6 +196,11 @@ impl Document {
         self.reading = Reading::of(self.history.text(), self.path.as_deref());
     }
 
+    /// Reads what the text says once more: a file that it names may be another one.
+    pub fn reread(&mut self) {
+        self.read();
+    }
+
     /// Undo, redo and their names.
     #[must_use]
     pub fn history(&self) -> &History {
@@ -226,10 +232,11 @@ impl Document {
     /// # Errors
     /// If it cannot be written, or if there is no file yet; nothing is lost.
     pub fn save(&mut self, to: Option<&Path>) -> io::Result<()> {
-        let Some(path) = to.map(Path::to_owned).or_else(|| self.path.clone()) else {
+        let Some(path) = to.or(self.path.as_deref()) else {
             let kind = io::ErrorKind::InvalidInput;
             return Err(io::Error::new(kind, "the script has no file yet"));
         };
+        let path = std::path::absolute(path)?;
         disk::write_whole(&path, self.text().as_bytes())?;
         self.saved = Some(self.text().to_owned());
         self.path = Some(path);

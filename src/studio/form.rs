@@ -236,7 +236,9 @@ impl Row<'_, '_> {
 
     /// Ends a gesture when a widget is let go of.
     fn rest(&mut self, response: &egui::Response) {
-        if response.drag_stopped() || response.lost_focus() {
+        // A double click adds a point of a curve, a right click takes one away.
+        let clicked = response.double_clicked() || response.secondary_clicked();
+        if response.drag_stopped() || response.lost_focus() || clicked {
             self.changes.push(Change::Rest);
         }
     }
@@ -334,6 +336,7 @@ impl Row<'_, '_> {
             return self.raw_value(ui, Some(label));
         };
         let before = parts.clone();
+        let first = self.changes.len();
         let usual = usual_step(self.field);
         let unsaid = if parts.in_brackets { usual } else { 0.0 };
         let name = readable(self.field.name);
@@ -347,6 +350,7 @@ impl Row<'_, '_> {
                 let toggle = ui.toggle_value(&mut varies, "curve");
                 let toggle = toggle.on_hover_text("By position on the parent");
                 if toggle.clicked() {
+                    self.changes.push(Change::Rest);
                     parts.at = match &parts.at {
                         Curve::Flat(value) => Curve::Points(vec![[0.0, *value], [1.0, *value]]),
                         Curve::Points(points) => Curve::Flat(points[0][1]),
@@ -376,7 +380,10 @@ impl Row<'_, '_> {
             });
         });
         if parts != before {
+            // What ends the gesture comes behind what it has done.
+            let ends = self.changes.split_off(first);
             self.set(parts.text_with(usual));
+            self.changes.extend(ends);
         }
     }
 
@@ -426,6 +433,10 @@ impl Row<'_, '_> {
             return self.raw_value(ui, Some(label));
         };
         let response = ui.color_edit_button_srgb(&mut rgb).labelled_by(label);
+        if response.clicked() {
+            // Each time that it is opened is a gesture of its own.
+            self.changes.push(Change::Rest);
+        }
         if response.changed() {
             let [r, g, b] = rgb;
             self.set(format!("\"#{r:02x}{g:02x}{b:02x}\""));

@@ -139,6 +139,16 @@ impl Hand {
             self.held = None;
             return;
         };
+        // The button may be let go of where the handle is not to be seen.
+        let is_up = ui.input(|i| !i.pointer.any_down() && !i.pointer.any_released());
+        if is_up
+            && self
+                .held
+                .as_ref()
+                .is_some_and(|held| !held.following.is_released)
+        {
+            self.rest(orders);
+        }
         self.held.take_if(|held| held.following.is_over(scene));
         let chosen = self.chosen.as_ref().filter(|c| c.level == level.index);
         let node = scene.tree().zip(chosen).and_then(|(tree, chosen)| {

@@ -37,6 +37,10 @@ impl Studio {
     /// Keeps what is unsaved, sketches the tree at once, and grows it with all its LODs when the hand rests.
     pub(super) fn renew(&mut self) {
         self.keep();
+        // Also while it is at fault and nothing grows.
+        if let Some(path) = self.document.path() {
+            self.watched.note(path);
+        }
         self.grower.stop();
         self.seeds.stop();
         self.judging.stop();
@@ -112,8 +116,10 @@ impl Studio {
 
     /// Takes in what the threads have done.
     pub(super) fn listen(&mut self, ui: &Ui) {
-        if self.watch.take() && !self.look(ui) {
+        // A question that stands is answered first.
+        if self.question.is_none() && self.watch.take() && !self.look(ui) {
             // One of the files that the script names.
+            self.document.reread();
             self.renew();
         }
         if self.sketcher.poll().good
@@ -132,7 +138,9 @@ impl Studio {
             self.number += 1;
             self.show(grown);
             // Its file may have changed before growing began to watch it.
-            self.look(ui);
+            if self.question.is_none() {
+                self.look(ui);
+            }
         }
         let written = self.writer.poll();
         self.exported(ui, written);
@@ -141,7 +149,7 @@ impl Studio {
     }
 
     /// Takes in what somebody else has written to the file; false if nobody has.
-    fn look(&mut self, ui: &Ui) -> bool {
+    pub(super) fn look(&mut self, ui: &Ui) -> bool {
         match self.document.look() {
             Ok(Outside::Same) => return false,
             Ok(Outside::Taken) => {

@@ -72,7 +72,7 @@ fn whole(field: &Field, value: Option<&Node>, (low, high): (u64, u64)) -> Vec<(S
     let near = if field.name == "seed" {
         [own, own.saturating_add(1), own.saturating_add(2)]
     } else {
-        [own / 2, own, (own + own / 2).max(own + 1)]
+        [own / 2, own, own.saturating_add((own / 2).max(1))]
     };
     let text = |value: u64| value.clamp(low, high).to_string();
     near.map(|value| (text(value), text(value))).to_vec()

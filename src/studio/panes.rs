@@ -381,7 +381,12 @@ impl Panes<'_> {
             return;
         };
         let folder = self.document.folder();
-        let wanted = self.seeds.ui(ui, (root, species), folder, self.growing);
+        let wanted = self.seeds.ui(
+            ui,
+            (self.document.text(), root, species),
+            folder,
+            self.growing,
+        );
         self.orders
             .extend(wanted.into_iter().map(|wanted| match wanted {
                 Wanted::Change(change) => Order::Change(change),

@@ -25,8 +25,11 @@ pub(super) fn ui(ui: &mut Ui, lod: &Lod, changes: &mut Vec<Change>) {
         ui.spacing_mut().item_spacing.x = 5.0;
         let count = lod.priorities.len();
         for (index, what) in lod.priorities.iter().enumerate() {
-            if let Some([from, to]) = item(ui, index, count, *what) {
-                let name = format!("Try {:?} in another place", lod.priorities[from]);
+            // What is dragged may have gone from the script meanwhile.
+            if let Some([from, to]) = item(ui, index, count, *what)
+                && let Some(what) = lod.priorities.get(from)
+            {
+                let name = format!("Try {what:?} in another place");
                 let edit = moved(&lod.priorities, [from, to]);
                 changes.push(Change::Edit(name, None, edit));
             }

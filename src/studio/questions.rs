@@ -82,11 +82,18 @@ impl Studio {
             Answer::Recover(left, rest) => {
                 let note = left.note.clone();
                 self.replace(Document::recovered(note));
-                // The text is in this window's journal now.
-                if self.journal.is_some() {
+                // The text is in this window's journal now, if there is one.
+                if self.keep() {
                     let _ = left.discard();
                 }
-                self.question = (!rest.is_empty()).then_some(Question::Recover(rest));
+                // One window holds one text: the next one offers the others.
+                if !rest.is_empty() {
+                    let count = rest.len();
+                    self.say(
+                        ui,
+                        format!("{count} more can be recovered: open the studio again"),
+                    );
+                }
             }
             Answer::Forget(left, rest) => {
                 let _ = left.discard();

@@ -14,6 +14,10 @@ impl Studio {
         if to.is_none() && self.document.path().is_none() {
             return self.ask_where(next);
         }
+        // Nothing that another program has written meanwhile is lost.
+        if to.is_none() && self.look(ui) && matches!(self.question, Some(Question::Conflict(_))) {
+            return;
+        }
         match self.document.save(to) {
             Ok(()) => {
                 let path = self.document.path().map(|p| p.display().to_string());

@@ -31,6 +31,8 @@ pub(super) struct Seeds {
     loader: Loader<()>,
     first: u64,
     of: Option<(Box<Species>, u64)>,
+    /// The text that was looked at last, and the first seed: while they stay, so do the pictures.
+    seen: Option<(String, u64)>,
     shared: Arc<Mutex<Vec<Option<Paint>>>>,
     textures: Vec<Option<TextureHandle>>,
 }
@@ -49,6 +51,7 @@ impl Seeds {
             loader: Loader::start("seeds", wake)?,
             first: 1,
             of: None,
+            seen: None,
             shared: Arc::default(),
             textures: Vec::new(),
         })
@@ -58,7 +61,7 @@ impl Seeds {
     pub(super) fn stop(&mut self) {
         if self.loader.stage().is_some() {
             self.loader.stop();
-            self.of = None;
+            (self.of, self.seen) = (None, None);
         }
     }
 
@@ -66,7 +69,7 @@ impl Seeds {
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
-        (root, species): (&Node, &Species),
+        (text, root, species): (&str, &Node, &Species),
         folder: PathBuf,
         busy: bool,
     ) -> Vec<Wanted> {
@@ -82,7 +85,9 @@ impl Seeds {
             }
             ui.weak("Click a tree to take its seed.");
         });
-        if !busy {
+        let same = |(seen, first): &(String, u64)| seen == text && *first == self.first;
+        if !busy && !self.seen.as_ref().is_some_and(same) {
+            self.seen = Some((text.to_owned(), self.first));
             self.draw(species, folder);
         }
         self.fetch(ui);

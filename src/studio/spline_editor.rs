@@ -6,6 +6,7 @@ use super::form::Change;
 use super::outline;
 use super::parts::number_of;
 use crate::math::Vec3;
+use crate::species::fields::COORDINATE;
 use crate::species::schema::Knots;
 use crate::species::syntax::{Kind, Node};
 use crate::spline::CatmullRom;
@@ -239,6 +240,7 @@ impl<'a> Editor<'a> {
                     for (part, axis) in edited.iter_mut().zip(["x", "y", "z"]) {
                         let field = egui::DragValue::new(part)
                             .speed(tall / 400.0)
+                            .range(COORDINATE.min..=COORDINATE.max)
                             .max_decimals(3);
                         let response = ui.add(field);
                         response.widget_info(|| {
@@ -270,10 +272,11 @@ impl<'a> Editor<'a> {
 
     /// A point half way to the next one, or as far beyond the last as that is from the one before it.
     pub(super) fn after(&self, index: usize) -> [f64; 3] {
-        let a = self.points[index];
+        let last = self.points.len() - 1;
+        let a = self.points[index.min(last)];
         match self.points.get(index + 1) {
             Some(b) => core::array::from_fn(|k| rounded((a[k] + b[k]) / 2.0)),
-            None => core::array::from_fn(|k| rounded(2.0 * a[k] - self.points[index - 1][k])),
+            None => core::array::from_fn(|k| rounded(2.0 * a[k] - self.points[last - 1][k])),
         }
     }
 

@@ -136,6 +136,11 @@ impl Viewport {
         self.arrived = true;
     }
 
+    /// Frames the tree that comes next, as it does the first one.
+    pub fn reframe(&mut self) {
+        self.unframed = true;
+    }
+
     /// Keeps a camera that was used before the view was made anew.
     pub fn keep(&mut self, rig: Rig) {
         self.rig = rig;

@@ -7,6 +7,77 @@ use pleach::studio::kept::{Keeper, Theme};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Words that are still being typed are saved, too.
+pub(super) fn typing() -> Outcome {
+    let dir = tempfile::tempdir()?;
+    let path = dir.path().join("a.ron");
+    let mut window = on_file(&path, templates::BLANK)?;
+    click(&mut window, "limbs");
+    window
+        .get_by_role_and_label(Role::TextInput, "splines")
+        .focus();
+    window.run_steps(2);
+    press(&mut window, Modifiers::COMMAND, Key::A);
+    write(&mut window, "splines", "[\"trunk\"]");
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    let expected = templates::BLANK.replace("splines: [\"limb\"]", "splines: [\"trunk\"]");
+    assert_eq!(text(&window), expected);
+    assert_eq!(fs::read_to_string(&path)?, expected);
+    Ok(())
+}
+
+/// What another program has written is asked about before it is replaced, also if nobody has looked at it yet.
+pub(super) fn outran() -> Outcome {
+    let dir = tempfile::tempdir()?;
+    let path = dir.path().join("a.ron");
+    let mut window = on_file(&path, templates::BLANK)?;
+    click(&mut window, "limbs");
+    set(&mut window, "links", 5.0);
+    let theirs = templates::BLANK.replace("links: 18", "links: 30");
+    fs::write(&path, &theirs)?;
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert_eq!(fs::read_to_string(&path)?, theirs);
+    click(&mut window, "Keep this one");
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    let ours = templates::BLANK.replace("links: 18", "links: 5");
+    assert_eq!(fs::read_to_string(&path)?, ours);
+    Ok(())
+}
+
+/// Of two texts that were left, one is recovered, and the other stays for the next window.
+pub(super) fn both_left() -> Outcome {
+    let dir = tempfile::tempdir()?;
+    let notes = dir.path().join("notes");
+    let begin = |left| Begin {
+        notes: Some(notes.clone()),
+        left,
+        ..Begin::new(Document::new(templates::BLANK.to_owned()))
+    };
+    let mut windows = [begin(Vec::new()), begin(Vec::new())].map(window_at);
+    let mut texts = Vec::new();
+    for (window, links) in windows.iter_mut().zip([5.0, 7.0]) {
+        click(window, "limbs");
+        set(window, "links", links);
+        texts.push(text(window).to_owned());
+    }
+    drop(windows);
+    let mut found = Vec::new();
+    for _ in 0..2 {
+        let left = recovery::left(&notes);
+        assert_eq!(left.len(), 2 - found.len());
+        let mut window = window_at(begin(left));
+        click(&mut window, "Recover");
+        found.push(text(&window).to_owned());
+        let path = dir.path().join(format!("{}.ron", found.len()));
+        save_as(&mut window, &path)?;
+    }
+    found.sort();
+    texts.sort();
+    assert_eq!(found, texts);
+    assert!(recovery::left(&notes).is_empty());
+    Ok(())
+}
+
 /// The blank template with two variations.
 fn varied() -> String {
     let variations = "seed: 1,\n    variations: [\n        (name: \"young\", seed: 3, age: 0.4),\n        \

@@ -55,6 +55,8 @@ pub fn set(source: &str, path: &str, value: &str) -> Result<String, EditError> {
     let Some(root) = root.filter(|_| faults.is_empty()) else {
         return Err(EditError::Unreadable);
     };
+    // Without a comment behind it, which would swallow what follows on its line.
+    let value = parsed.map_or(value, |node| &value[node.span]);
     let steps: Vec<&str> = path.split('.').collect();
     let mut node = &root;
     for (index, step) in steps.iter().enumerate() {
@@ -105,14 +107,11 @@ fn is_all_defaults(step: &str) -> bool {
 fn child<'n>(node: &'n Node, step: &str) -> Option<&'n Node> {
     match &node.kind {
         Kind::Struct { fields, .. } => fields.iter().find(|f| f.key == step).map(|f| &f.value),
-        Kind::List(items) => items
-            .iter()
-            .find(|item| name_of(item) == Some(step))
-            .or_else(|| {
-                step.parse::<usize>()
-                    .ok()
-                    .and_then(|index| items.get(index))
-            }),
+        // A number is a number, also where an item is called so: a path of numbers must lead where it says.
+        Kind::List(items) => match step.parse::<usize>() {
+            Ok(index) => items.get(index),
+            Err(_) => items.iter().find(|item| name_of(item) == Some(step)),
+        },
         _ => None,
     }
 }
@@ -213,6 +212,19 @@ mod tests {
     fn an_absent_field_is_added_behind_the_last() {
         let edited = set(SCRIPT, "levels.trunk.gnarl", "0.1").unwrap();
         assert_eq!(edited, SCRIPT.replace("2.0,", "2.0, gnarl: 0.1,"));
+    }
+
+    #[test]
+    fn numbers_lead_to_places_and_comments_swallow_nothing() {
+        let script = "(list: [(name: \"1\", a: 1), (name: \"2\", a: 2), (name: \"b\", a: 3)])";
+        let set = |path: &str, value: &str| set(script, path, value).unwrap();
+        assert_eq!(set("list.1.a", "9"), script.replace("a: 2", "a: 9"));
+        assert_eq!(set("list.b.a", "9"), script.replace("a: 3", "a: 9"));
+        assert_eq!(set("list.0.a", "9 // nine"), script.replace("a: 1", "a: 9"));
+        assert_eq!(
+            set("list.0.a", "/* so */ 9"),
+            script.replace("a: 1", "a: 9")
+        );
     }
 
     #[test]

@@ -23,9 +23,10 @@ pub fn remove(source: &str, path: &str) -> Result<String, EditError> {
 /// See [`EditError`].
 pub fn insert(source: &str, path: &str, index: usize, item: &str) -> Result<String, EditError> {
     let (parsed, faults) = syntax::parse(item);
-    if parsed.is_none() || !faults.is_empty() {
+    let Some(parsed) = parsed.filter(|_| faults.is_empty()) else {
         return Err(EditError::BadValue(item.to_owned()));
-    }
+    };
+    let item = &item[parsed.span];
     let root = whole(source)?;
     let node = at(&root, path)?;
     let Kind::List(items) = &node.kind else {
@@ -235,7 +236,7 @@ fn tail(source: &str, from: usize, end: usize) -> (bool, usize) {
             // Behind the part on its own line.
             return (comma, at + rest.find('\n').unwrap_or(rest.len()));
         } else if rest.starts_with("/*") {
-            at += rest.find("*/").map_or(rest.len(), |close| close + 2);
+            at += comment(rest);
             kept = at;
         } else if rest.starts_with(',') && !comma {
             comma = true;
@@ -250,6 +251,27 @@ fn tail(source: &str, from: usize, end: usize) -> (bool, usize) {
         }
     }
     (comma, kept)
+}
+
+/// Bytes of the comment that a text begins with; comments of this kind stand in one another.
+fn comment(text: &str) -> usize {
+    let mut depth = 0_usize;
+    let mut at = 0;
+    while let Some(mark) = text.get(at..).and_then(|rest| {
+        let next = |mark: &str| rest.find(mark).map(|place| (place, mark == "/*"));
+        next("/*").into_iter().chain(next("*/")).min()
+    }) {
+        at += mark.0 + 2;
+        depth = if mark.1 {
+            depth + 1
+        } else {
+            depth.saturating_sub(1)
+        };
+        if depth == 0 {
+            return at;
+        }
+    }
+    text.len()
 }
 
 #[cfg(test)]
@@ -282,6 +304,12 @@ mod tests {
             };
             assert_eq!((items.len(), faults.len()), (3, 0), "{moved}");
         }
+    }
+
+    #[test]
+    fn comments_in_comments_go_with_their_part() {
+        let script = "(list: [\n    a, /* one /* two */ three */\n    b,\n])";
+        assert_eq!(remove(script, "list.0").unwrap(), "(list: [\n    b,\n])");
     }
 
     #[test]
