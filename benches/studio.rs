@@ -43,6 +43,8 @@ impl Desk {
         let studio = Studio::new(&state, begin, || ()).expect("the window begins");
         let window = Harness::builder()
             .with_size(vec2(1280.0, 720.0))
+            // The window's clock must not say that a hand rests between two steps.
+            .with_step_dt(1.0 / 60.0)
             .with_context_setup(viewer::panel::style)
             .renderer(WgpuTestRenderer::from_render_state(state))
             .build_ui_state(|ui, studio: &mut Studio| studio.ui(ui), studio);
