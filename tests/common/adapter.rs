@@ -33,7 +33,7 @@ pub(crate) fn run(tests: &[Test]) -> ExitCode {
                     let reason = reason.clone();
                     Trial::test(name, move || Err(reason.into()))
                 }
-                _ => Trial::test(name, test),
+                _ => Trial::test(name, move || in_its_own_thread(name, test)),
             };
             let ignored = reason.is_some() && !required;
             trial
@@ -42,6 +42,16 @@ pub(crate) fn run(tests: &[Test]) -> ExitCode {
         })
         .collect();
     libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+/// The harness does not wait until what its threads keep to themselves is dropped, and a driver keeps much there:
+/// it would go while the process leaves. A thread that is joined is gone.
+fn in_its_own_thread(name: &str, test: fn() -> Outcome) -> Outcome {
+    std::thread::Builder::new()
+        .name(name.to_owned())
+        .spawn(test)?
+        .join()
+        .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// A device with nothing but what every adapter has: no optional features, the default limits.
