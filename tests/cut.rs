@@ -222,6 +222,8 @@ fn tiny() -> impl Strategy<Value = Sketch> {
             vary: f32::from(vary) / 100.0,
             sides: 3,
             tropism: 0.0,
+            skip: 0,
+            pipe_model: 0.0,
         };
         let mut branches = vec![branch(1)];
         branches.extend(links.into_iter().map(branch));

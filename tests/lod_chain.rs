@@ -213,9 +213,8 @@ fn spline_rules(tree: &Tree, lod: &Lod, state: &State) -> Result<(), String> {
 /// Everything on a collapsed node is inside it, nothing else is; leaves are cards.
 fn collapse_rules(tree: &Tree, state: &State) -> Result<(), String> {
     for (l, level) in tree.levels.iter().enumerate() {
-        let hidden = level
-            .parent
-            .is_some_and(|p| matches!(state.forms[p], Form::Collapsed | Form::Inside));
+        let closed = |&c: &usize| matches!(state.forms[c], Form::Collapsed | Form::Inside);
+        let hidden = level.parent.is_some() && level.carriers.iter().all(closed);
         let fits = match state.forms[l] {
             Form::Inside => hidden,
             Form::Collapsed => !hidden && tree.has_children(l),

@@ -6,7 +6,7 @@ mod common;
 use common::{Node, Sketch, grown, sketches, small, walk};
 use pleach::math::{Bounds, Similarity, Vec3};
 use pleach::mesh::{Flattener, Mesh};
-use pleach::species::schema::{LevelKind, Size, Species};
+use pleach::species::schema::{Curve, LevelKind, Size, Species};
 use pleach::tree::{Link, Part, Tree};
 use proptest::prelude::*;
 
@@ -87,11 +87,15 @@ proptest! {
         level in any::<prop::sample::Index>(),
         edit in 0..EDITS.len(),
     ) {
-        let before = sketch.species();
+        let mut before = sketch.species();
         let mut after = before.clone();
         let edited = 1 + level.index(after.levels.len() - 1);
         (EDITS[edit].1)(&mut after, edited);
         prop_assert_ne!(&before, &after);
+        // What its places carry by skipping moves with them.
+        for species in [&mut before, &mut after] {
+            species.levels[edited].placement.skip = Curve::constant(0.0);
+        }
         let name = &before.levels[edited].name;
         let (before, after) = (grown(&before, 9), grown(&after, 9));
         for level in &before.levels {
@@ -137,17 +141,31 @@ fn links_by_name(tree: &Tree, level: &str, except: &str) -> Vec<Vec<(String, Lin
 
 /// Nodes of each level by the law: the product of links and children down the levels.
 fn products(sketch: &Sketch) -> Vec<(String, u64)> {
-    let mut nodes = u64::from(sketch.stems.unwrap_or(1));
-    let mut products = vec![("b0".to_owned(), nodes)];
+    let trunks = u64::from(sketch.stems.unwrap_or(1));
+    let mut products = vec![("b0".to_owned(), trunks)];
     if sketch.roots {
-        products.push(("roots".to_owned(), nodes * 3));
+        products.push(("roots".to_owned(), trunks * 3));
     }
-    for (number, branch) in sketch.branches.iter().enumerate().skip(1) {
-        nodes *= u64::from(branch.links * branch.children);
-        products.push((format!("b{number}"), nodes));
+    // Children at the places of a level that skip so many levels, for each that carries them.
+    let children = |level: usize, skip: u32| {
+        let branch = &sketch.branches[level];
+        let last = f64::from((branch.links - 1).max(1));
+        let skipped = |place: u32| (f64::from(place) / last * f64::from(branch.skip)).round();
+        let places = (0..branch.links).filter(|&place| skipped(place) == f64::from(skip));
+        places.count() as u64 * u64::from(branch.children)
+    };
+    let mut nodes = vec![trunks];
+    for level in 1..sketch.branches.len() {
+        let on = |skip: u32| {
+            let places = level - skip as usize;
+            nodes[places - 1] * children(places, skip)
+        };
+        let sum = (0..u32::try_from(level).expect("few")).map(on).sum();
+        nodes.push(sum);
+        products.push((format!("b{level}"), sum));
     }
-    nodes *= u64::from(sketch.leaves.links * sketch.leaves.children);
-    products.push(("leaves".to_owned(), nodes));
+    let leaves = nodes[nodes.len() - 1] * u64::from(sketch.leaves.links * sketch.leaves.children);
+    products.push(("leaves".to_owned(), leaves));
     products
 }
 

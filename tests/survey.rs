@@ -8,7 +8,7 @@ use pleach::report::Quiet;
 use pleach::species::{self, NoFiles};
 use pleach::survey::reference::of_latin;
 use pleach::survey::{self, Foliage, Line, Measures, Verdict, forks, strahler};
-use pleach::tree::{Limits, Tree, grow};
+use pleach::tree::{Limits, Part, Tree, grow};
 
 /// A tree of a script whose levels are given; its splines are straight and its leaves 20 x 10 cm cards.
 fn tree(stems: &str, levels: &str) -> Tree {
@@ -386,4 +386,116 @@ fn a_guide_has_a_plate_and_the_measures_of_each_species() {
     let nowhere = dir.path().join("none/README.md");
     program(&["guide", utf8(&script), "--out", utf8(&nowhere)]).ends(2, &["--out", "none"]);
     program(&["guide", "--out", utf8(&page)]).ends(2, &["SPECIES"]);
+}
+
+/// A trunk with twelve limbs of half its radius, each with six twigs.
+fn forked(pipes: f32, skip: &str) -> Tree {
+    let levels = format!(
+        r#"Branch(name: "trunk", length_m: 12, radius_m: 0.3, splines: ["straight"], pipe_model: {pipes}, sides: 24),
+        Branch(name: "limbs", links: 12, start: 0.3, end: 0.9, down: 60, length_m: 4, radius_of_parent: 0.4,
+               splines: ["straight"], collar: 1, pipe_model: {pipes}, skip: {skip}),
+        Branch(name: "branches", links: 6, start: 0.3, end: 0.9, down: 60, length_m: 1.5, radius_of_parent: 0.4,
+               splines: ["straight"], collar: 1, pipe_model: {pipes}),
+        Branch(name: "twigs", links: 3, start: 0.3, end: 0.9, down: 60, length_m: 0.4, radius_of_parent: 0.5,
+               splines: ["straight"], collar: 1)"#
+    );
+    tree("", &levels)
+}
+
+#[test]
+fn the_pipe_model_keeps_the_cross_section_at_every_fork() {
+    for skip in ["0", "[(0, 0), (1, 2)]"] {
+        let ratios = forks::ratios(&forked(1.0, skip));
+        // Beyond the last fork the trunk is drawn out, in the steps of its curve.
+        let trunk = forks::part_within(&ratios[..11], 0.97, 1.03);
+        assert_eq!(trunk, Some(1.0), "{ratios:?}");
+        // Limbs that are thinner than their prototype carry twigs that are not.
+        let all = forks::part_within(&ratios, 0.8, 1.8);
+        assert_eq!(all, Some(1.0), "{ratios:?}");
+    }
+    let written = forks::ratios(&forked(0.0, "0"));
+    let part = forks::part_within(&written[..11], 0.97, 1.03).unwrap();
+    assert!(part < 0.7, "{part}: the rule would show nothing");
+    // Half the rule lies between.
+    let radius = |pipes: f32| match &forked(pipes, "0").levels[0].prototypes[0].part {
+        Part::Branch(branch) => branch.at(0.8).radius,
+        _ => panic!("a trunk"),
+    };
+    let [none, half, whole] = [0.0, 0.5, 1.0].map(radius);
+    assert!(
+        near(half, (none + whole) * 0.5, 0.004),
+        "{none} {half} {whole}"
+    );
+    assert_eq!(radius(0.0), forked_as_written());
+}
+
+/// Radius of the trunk above, at 0.8 of its length, by its taper alone.
+fn forked_as_written() -> f32 {
+    let levels =
+        r#"Branch(name: "trunk", length_m: 12, radius_m: 0.3, splines: ["straight"], sides: 24)"#;
+    match &tree("", levels).levels[0].prototypes[0].part {
+        Part::Branch(branch) => branch.at(0.8).radius,
+        _ => panic!("a trunk"),
+    }
+}
+
+#[test]
+fn what_leaves_at_the_very_end_goes_on_in_the_branch_s_stead() {
+    let end = |pipes: f32| {
+        let levels = format!(
+            r#"Branch(name: "trunk", length_m: 4, radius_m: 0.1, splines: ["straight"], taper: 1, pipe_model: {pipes}),
+            Branch(name: "limbs", links: 4, start: 0.4, down: 30, length_m: 1, radius_of_parent: 0.5,
+                   splines: ["straight"], collar: 1, sides: 12)"#
+        );
+        let ratios = forks::ratios(&tree("", &levels));
+        assert_eq!(ratios.len(), 4);
+        ratios[3].0
+    };
+    assert!(near(end(0.0), 0.25, 0.02), "{}", end(0.0));
+    assert!(near(end(1.0), 0.9, 0.03), "{}", end(1.0));
+}
+
+#[test]
+fn places_that_skip_levels_carry_what_comes_after() {
+    let tree = forked(0.0, "[(0, 0), (1, 2)]");
+    // Of twelve places three skip nothing, six one level and three two.
+    let limbs = 3;
+    let branches = limbs * 6 + 6;
+    let twigs = branches * 3 + 3;
+    let nodes: Vec<u64> = tree
+        .nodes()
+        .iter()
+        .map(|level| level.iter().sum())
+        .collect();
+    assert_eq!(nodes, [1, limbs, branches, twigs]);
+    let carriers: Vec<&[usize]> = tree.levels.iter().map(|l| &l.carriers[..]).collect();
+    assert_eq!(carriers, [&[][..], &[0], &[1, 0], &[2, 0]]);
+    // A skipped level's nodes stand where the script's places are, at their own size.
+    let skipping = &tree.levels[0].prototypes[0].links;
+    let plain = forked(0.0, "0");
+    let mut places: Vec<f32> = skipping.iter().map(|link| link.at).collect();
+    places.sort_by(f32::total_cmp);
+    let all: Vec<f32> = plain.levels[0].prototypes[0]
+        .links
+        .iter()
+        .map(|l| l.at)
+        .collect();
+    assert_eq!(places, all);
+    assert!(
+        skipping
+            .iter()
+            .all(|link| near(link.place.scale, 1.0, 1e-6))
+    );
+    // What skips is of low order, so that the axis falls into streams of few.
+    let ratio = |tree: &Tree| {
+        strahler::bifurcation(&strahler::counts(tree))
+            .unwrap()
+            .ratio
+    };
+    assert!(
+        ratio(&tree) < 0.75 * ratio(&plain),
+        "{} {}",
+        ratio(&tree),
+        ratio(&plain)
+    );
 }

@@ -14,7 +14,7 @@ use crate::lod::{Form as LodForm, State};
 use crate::math::{Bounds, Quat, Similarity, Vec3};
 use crate::mesh::card::{Pane, Quad};
 use crate::mesh::{Coat, Flattener, Mesh, TooLarge, Vertex};
-use crate::tree::{Part, Tree};
+use crate::tree::{Kind, Part, Tree};
 
 /// Geometry LOD of the captured branch itself: finer rings than a texel can show are wasted. Each level
 /// further out is smaller in the same picture, and takes one coarser.
@@ -204,22 +204,31 @@ impl Studio<'_> {
     fn state(&self, subject: Subject, source: Option<usize>) -> State {
         let (level, _) = subject_at(subject);
         let tree = self.tree;
-        let form = |l: usize| {
+        let mut forms: Vec<LodForm> = Vec::with_capacity(tree.levels.len());
+        for (l, drawn) in tree.levels.iter().enumerate() {
             let outside = !tree.is_below(l, level);
             let alone = matches!(subject, Subject::Branch { .. }) && l != level;
-            match source {
+            let closed = |&c: &usize| matches!(forms[c], LodForm::Collapsed | LodForm::Inside);
+            let form = match source {
                 _ if outside || alone => LodForm::Inside,
                 Some(collapsed) if l == collapsed => LodForm::Collapsed,
-                Some(collapsed) if tree.is_below(l, collapsed) => LodForm::Inside,
+                // What hangs on collapsed nodes alone is in their captures; other nodes of it are drawn.
+                Some(collapsed) if tree.is_below(l, collapsed) => {
+                    match (drawn.kind, tree.has_children(l)) {
+                        _ if drawn.carriers.iter().all(closed) => LodForm::Inside,
+                        (Kind::Leaf, _) => LodForm::Geometry(0),
+                        (_, true) => LodForm::Collapsed,
+                        (_, false) => LodForm::Quads,
+                    }
+                }
                 _ => {
-                    let out = tree.levels[l].depth - tree.levels[level].depth;
+                    let out = drawn.depth - tree.levels[level].depth;
                     LodForm::Geometry(u8::try_from(CAPTURE_SPLINE_LOD + out).unwrap_or(u8::MAX))
                 }
-            }
-        };
-        State {
-            forms: (0..tree.levels.len()).map(form).collect(),
+            };
+            forms.push(form);
         }
+        State { forms }
     }
 
     fn mesh(

@@ -84,10 +84,8 @@ impl State {
 /// Triangle counts of states, from numbers gathered once per tree.
 #[derive(Clone, Debug)]
 pub struct Counts {
-    /// By level: triangles of each geometry LOD, summed over the level's nodes.
-    geometry: Vec<Vec<u64>>,
-    /// By level: number of nodes.
-    nodes: Vec<u64>,
+    /// By level, geometry LOD and prototype: triangles.
+    geometry: Vec<Vec<Vec<u64>>>,
 }
 
 /// Triangles of a state, by material.
@@ -108,24 +106,18 @@ impl Triangles {
 }
 
 impl Counts {
-    /// Gathers node counts and the triangle counts of every branch LOD.
+    /// Gathers the triangle counts of every branch LOD.
     #[must_use]
     pub fn of(tree: &Tree, spline_lods: usize) -> Self {
-        let nodes = tree.nodes();
-        let geometry = tree.levels.iter().zip(&nodes).map(|(level, nodes)| {
+        let geometry = tree.levels.iter().map(|level| {
             let of_lod = |lod: usize| {
-                level
-                    .prototypes
-                    .iter()
-                    .zip(nodes)
-                    .map(|(p, n)| n * triangles(&p.part, lod))
-                    .sum()
+                let prototypes = level.prototypes.iter();
+                prototypes.map(|p| triangles(&p.part, lod)).collect()
             };
             (0..spline_lods.max(1)).map(of_lod).collect()
         });
         Self {
             geometry: geometry.collect(),
-            nodes: nodes.iter().map(|n| n.iter().sum()).collect(),
         }
     }
 
@@ -133,18 +125,21 @@ impl Counts {
     #[must_use]
     pub fn triangles(&self, tree: &Tree, state: &State) -> Triangles {
         let mut sum = Triangles::default();
-        for (level, form) in state.forms.iter().enumerate() {
+        // Nodes of one level may hang on open and on closed ones.
+        let seen = tree.nodes_where(|level| state.is_open(level));
+        for (level, (form, nodes)) in state.forms.iter().zip(&seen).enumerate() {
             match form {
                 Form::Geometry(lod) => {
                     let lods = &self.geometry[level];
-                    let count = lods[(*lod as usize).min(lods.len() - 1)];
+                    let each = &lods[(*lod as usize).min(lods.len() - 1)];
+                    let count: u64 = each.iter().zip(nodes).map(|(t, n)| t * n).sum();
                     match tree.levels[level].kind {
                         Kind::Leaf => sum.foliage += count,
                         Kind::Branch | Kind::Stool => sum.branches += count,
                     }
                 }
                 Form::Quads | Form::Collapsed => {
-                    sum.foliage += CROSS_QUAD_TRIANGLES * self.nodes[level];
+                    sum.foliage += CROSS_QUAD_TRIANGLES * nodes.iter().sum::<u64>();
                 }
                 Form::Inside => {}
             }

@@ -233,9 +233,8 @@ fn state(tree: &Tree, rung: &Rung) -> State {
     let last_geometry = (rung.depth.saturating_sub(rung.quads)).checked_sub(1);
     let mut forms: Vec<Form> = Vec::with_capacity(tree.levels.len());
     for (index, level) in tree.levels.iter().enumerate() {
-        let hidden = level
-            .parent
-            .is_some_and(|p| matches!(forms[p], Form::Collapsed | Form::Inside));
+        let closed = |&c: &usize| matches!(forms[c], Form::Collapsed | Form::Inside);
+        let hidden = !level.carriers.is_empty() && level.carriers.iter().all(closed);
         let form = if hidden {
             Form::Inside
         } else if level.kind == Kind::Leaf {

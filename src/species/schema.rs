@@ -3,6 +3,8 @@
 
 mod leaf;
 
+use crate::math::{float, round_to_u32};
+
 pub use super::bark::{Bark, BarkArt, BarkPattern};
 pub use leaf::*;
 
@@ -124,6 +126,9 @@ pub struct Placement {
     pub jitter: f32,
     /// Bends the even spacing: places sit at `u^crowding` of the way; 1 even, below 1 crowded to the end.
     pub crowding: f32,
+    /// Levels that a place skips, by its part of all places (0 the first, 1 the last), rounded: 1 carries a node of
+    /// the level after this one at once.
+    pub skip: Curve,
     /// y rotation: turn about the parent's axis.
     pub around: Param,
     /// x rotation: angle away from the parent's axis.
@@ -140,6 +145,21 @@ pub struct Placement {
     pub tropism: f32,
     /// Largest distance of a child's tip from the tree's axis, by height of the tip; shrinks children.
     pub envelope: Option<Envelope>,
+}
+
+impl Placement {
+    /// Levels that place `index` skips.
+    #[must_use]
+    pub fn skipped(&self, index: u32) -> u32 {
+        let last = self.links.saturating_sub(1).max(1);
+        round_to_u32(self.skip.at(float(index) / float(last)))
+    }
+
+    /// Most levels that a place skips.
+    #[must_use]
+    pub fn most_skipped(&self) -> u32 {
+        (0..self.links).map(|i| self.skipped(i)).max().unwrap_or(0)
+    }
 }
 
 /// A surface of revolution about the trunk's foot that the tips of a level stay within.
@@ -166,6 +186,8 @@ pub struct BranchParams {
     pub radius: Size,
     /// Radius along the branch, as a factor of the base radius.
     pub taper: Curve,
+    /// Part that the pipe model has in the taper, 0..=1: 1 keeps the cross-section at every fork.
+    pub pipe_model: f32,
     /// Sideways wander of the control points, as a part of the length; one draw a control point.
     pub gnarl: f32,
     /// Widening where a branch leaves its parent, as a factor above 1 of its own radius.

@@ -53,6 +53,12 @@ impl Tree {
     /// Number of nodes of each prototype, by level.
     #[must_use]
     pub fn nodes(&self) -> Vec<Vec<u64>> {
+        self.nodes_where(|_| true)
+    }
+
+    /// Nodes by level and prototype that are reached if only some levels show what grows on them.
+    #[must_use]
+    pub fn nodes_where(&self, is_open: impl Fn(usize) -> bool) -> Vec<Vec<u64>> {
         let mut nodes: Vec<Vec<u64>> = self
             .levels
             .iter()
@@ -61,7 +67,7 @@ impl Tree {
         if let Some(first) = nodes.first_mut().and_then(|n| n.first_mut()) {
             *first = 1;
         }
-        for level in 0..self.levels.len() {
+        for level in (0..self.levels.len()).filter(|&level| is_open(level)) {
             for (prototype, shared) in self.levels[level].prototypes.iter().enumerate() {
                 let count = nodes[level][prototype];
                 for link in &shared.links {

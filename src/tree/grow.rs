@@ -4,11 +4,12 @@
 
 use super::branch::Recipe;
 use super::growth::grown_up;
+use super::hosts::{self, Host};
 use super::links::{self, ChildLevel};
-use super::{Branch, Kind, Limits, Link, Part, Prototype, Tree, TreeLevel};
+use super::{Branch, Kind, Limits, Part, Prototype, Tree, TreeLevel, pipes};
 use crate::math::{Quat, Vec3};
 use crate::rng::{Key, Parameter, unit_from_bits};
-use crate::species::schema::{BranchParams, Level, LevelKind, Size, Species};
+use crate::species::schema::{BranchParams, Curve, Level, LevelKind, Size, Species};
 use rand::Rng;
 
 /// Name of the level that carries the stems of a multi-stemmed tree.
@@ -94,32 +95,38 @@ pub fn grow(species: &Species, seed: u64, limits: &Limits) -> Result<Tree, GrowE
         }
         let nominal = Nominal::of(script, parent.map(|p| &levels[p]))?;
         let weights = weights(script)?;
-        if let Some(parent) = parent {
-            let child = ChildLevel {
-                index: u16::try_from(index + shift).unwrap_or(u16::MAX),
-                script,
-                length: nominal.length,
-                radius: nominal.radius,
-                weights: &weights,
-            };
-            attach(species, &mut levels[parent], &child, key);
-        }
-        let prototypes = prototypes(
-            species,
+        let child = ChildLevel {
+            index: u16::try_from(index + shift).unwrap_or(u16::MAX),
             script,
-            &nominal,
-            key,
-            parent.map(|p| (&levels[p], &thinnest[p][..])),
-            index + shift,
-        )?;
-        thinnest.push(thinnest_nodes(
-            parent.map(|p| &levels[p]),
-            index + shift,
-            prototypes.len(),
-        ));
+            places: script,
+            pipe_model: 0.0,
+            length: nominal.length,
+            radius: nominal.radius,
+            weights: &weights,
+        };
+        let mut carriers: Vec<usize> = Vec::new();
+        for host in hosts::hosts(species, index) {
+            attach(species, &mut levels[host.level + shift], host, &child, key);
+            carriers.push(host.level + shift);
+        }
+        if let (Some(stool), None) = (parent, script.parent) {
+            let links = links::on_stool(species, &child, key);
+            levels[stool].prototypes[0].links.extend(links);
+            carriers.push(stool);
+        }
+        // Where no place skips a level, only its parent carries it.
+        carriers.retain(|&c| Some(c) == parent || carries(&levels[c], index + shift));
+        let on: Vec<(&TreeLevel, &[f32])> = carriers
+            .iter()
+            .map(|&c| (&levels[c], &thinnest[c][..]))
+            .collect();
+        let prototypes = prototypes(species, index, &nominal, key, &on, shift)?;
+        let thin = thinnest_nodes(&on, index + shift, prototypes.len());
+        thinnest.push(thin);
         levels.push(TreeLevel {
             name: script.name.clone(),
             parent,
+            carriers,
             depth: parent.map_or(0, |p| levels[p].depth + 1),
             kind: if matches!(script.kind, LevelKind::Leaf(_)) {
                 Kind::Leaf
@@ -139,6 +146,7 @@ fn stool() -> TreeLevel {
     TreeLevel {
         name: STOOL.to_owned(),
         parent: None,
+        carriers: Vec::new(),
         depth: 0,
         kind: Kind::Stool,
         tropism: 0.0,
@@ -149,16 +157,36 @@ fn stool() -> TreeLevel {
     }
 }
 
-/// Adds the links of one child level to all prototypes of its parent level.
-fn attach(species: &Species, parent: &mut TreeLevel, child: &ChildLevel<'_>, key: Key) {
-    for (variant, prototype) in parent.prototypes.iter_mut().enumerate() {
-        let links: Vec<Link> = match &prototype.part {
-            Part::Branch(branch) => links::on_branch(branch, child, key, variant as u64),
-            Part::Stool => links::on_stool(species, child, key),
-            Part::Leaf { .. } => Vec::new(),
-        };
-        prototype.links.extend(links);
+/// Adds the links of one child level to all prototypes of a level that carries it.
+fn attach(
+    species: &Species,
+    carrier: &mut TreeLevel,
+    host: Host,
+    child: &ChildLevel<'_>,
+    key: Key,
+) {
+    let pipe_model = match &species.levels[host.level].kind {
+        LevelKind::Branch(branch) => branch.pipe_model,
+        LevelKind::Leaf(_) => 0.0,
+    };
+    let child = ChildLevel {
+        places: &species.levels[host.places],
+        pipe_model,
+        ..*child
+    };
+    for (variant, prototype) in carrier.prototypes.iter_mut().enumerate() {
+        if let Part::Branch(branch) = &prototype.part {
+            let places = hosts::places(species, host);
+            let links = links::on_branch(branch, &child, places, key, variant as u64);
+            prototype.links.extend(links);
+        }
     }
+}
+
+/// True if a level has links to another.
+fn carries(carrier: &TreeLevel, level: usize) -> bool {
+    let mut links = carrier.prototypes.iter().flat_map(|p| &p.links);
+    links.any(|link| usize::from(link.level) == level)
 }
 
 /// Weight of each prototype of a level.
@@ -211,14 +239,16 @@ impl Nominal {
     }
 }
 
+/// The prototypes of script level `index`, which hang on the levels `on`, each with its thinnest nodes.
 fn prototypes(
     species: &Species,
-    script: &Level,
-    nominal: &Nominal,
-    key: Key,
-    parent: Option<(&TreeLevel, &[f32])>,
     index: usize,
+    nominal: &Nominal,
+    seed: Key,
+    on: &[(&TreeLevel, &[f32])],
+    shift: usize,
 ) -> Result<Vec<Prototype>, GrowError> {
+    let script = &species.levels[index];
     match &script.kind {
         LevelKind::Leaf(leaf) => leaf
             .kinds
@@ -244,15 +274,23 @@ fn prototypes(
             .collect(),
         LevelKind::Branch(params) => {
             let variants = params.variants.max(1) as usize;
-            let level = u16::try_from(index).unwrap_or(u16::MAX);
-            let hidden = parent.map_or_else(
-                || vec![f32::INFINITY; variants],
-                |(p, thinnest)| links::hidden_radii(&p.prototypes, thinnest, level, variants),
-            );
+            let level = u16::try_from(index + shift).unwrap_or(u16::MAX);
+            let mut hidden = vec![f32::INFINITY; variants];
+            for (carrier, thinnest) in on {
+                links::hide(&mut hidden, &carrier.prototypes, thinnest, level);
+            }
             (0..variants)
                 .map(|variant| {
-                    let key = key.level(&script.name).with(variant as u64);
-                    let branch = branch(species, script, params, nominal, key, hidden[variant])?;
+                    let number = variant as u64;
+                    let taper = pipes::taper(species, index, number, seed, nominal.radius);
+                    let make = Make {
+                        params,
+                        nominal,
+                        taper: taper.as_ref().unwrap_or(&params.taper),
+                        hidden: hidden[variant],
+                        key: seed.level(&script.name).with(number),
+                    };
+                    let branch = branch(species, script, &make)?;
                     Ok(Prototype {
                         part: Part::Branch(branch),
                         links: Vec::new(),
@@ -263,14 +301,23 @@ fn prototypes(
     }
 }
 
-fn branch(
-    species: &Species,
-    script: &Level,
-    params: &BranchParams,
-    nominal: &Nominal,
-    key: Key,
+/// What makes one prototype of a branch level.
+struct Make<'a> {
+    params: &'a BranchParams,
+    nominal: &'a Nominal,
+    taper: &'a Curve,
+    /// Largest radius of a first ring that stays hidden, metres.
     hidden: f32,
-) -> Result<Branch, GrowError> {
+    key: Key,
+}
+
+fn branch(species: &Species, script: &Level, make: &Make<'_>) -> Result<Branch, GrowError> {
+    let Make {
+        params,
+        nominal,
+        key,
+        ..
+    } = *make;
     let incomplete = || GrowError::Incomplete {
         level: script.name.clone(),
     };
@@ -298,9 +345,9 @@ fn branch(
         knots: spline.knots,
         length,
         radius: nominal.radius * size,
-        taper: &params.taper,
+        taper: make.taper,
         collar: (params.collar, nominal.parent_radius),
-        hidden,
+        hidden: make.hidden,
         upright: script.parent.is_none(),
         flare: params.flare,
         flutes: params.flutes,
@@ -352,13 +399,10 @@ fn gnarled(points: &[[f32; 3]], gnarl: f32, key: Key) -> Vec<Vec3> {
 }
 
 /// Least thickness with which each prototype of a level is placed.
-fn thinnest_nodes(parent: Option<&TreeLevel>, level: usize, prototypes: usize) -> Vec<f32> {
+fn thinnest_nodes(on: &[(&TreeLevel, &[f32])], level: usize, prototypes: usize) -> Vec<f32> {
     let mut thinnest = vec![f32::INFINITY; prototypes];
-    for link in parent
-        .into_iter()
-        .flat_map(|p| &p.prototypes)
-        .flat_map(|p| &p.links)
-    {
+    let carriers = on.iter().flat_map(|(carrier, _)| &carrier.prototypes);
+    for link in carriers.flat_map(|p| &p.links) {
         if link.level as usize == level {
             let slot = &mut thinnest[link.prototype as usize];
             *slot = slot.min(link.thickness);
@@ -370,12 +414,12 @@ fn thinnest_nodes(parent: Option<&TreeLevel>, level: usize, prototypes: usize) -
         .collect()
 }
 
-/// Node counts before anything is built: the product of links and children down the levels.
+/// Node counts before anything is built: links times children of what carries a level, summed.
 fn check_counts(species: &Species, limits: &Limits) -> Result<(), GrowError> {
     let stems = species.stems.as_ref().map_or(1, |s| u64::from(s.count));
     let mut nodes: Vec<u64> = Vec::with_capacity(species.levels.len());
     let mut total = u64::from(species.stems.is_some());
-    for script in &species.levels {
+    for (index, script) in species.levels.iter().enumerate() {
         let per_parent = match script.parent {
             None => stems,
             Some(_) => u64::from(script.placement.links) * u64::from(script.placement.children),
@@ -388,10 +432,19 @@ fn check_counts(species: &Species, limits: &Limits) -> Result<(), GrowError> {
                 limit: limits.links,
             });
         }
-        let parents = script
-            .parent
-            .map_or(1, |p| nodes.get(p).copied().unwrap_or(0));
-        let here = parents.saturating_mul(per_parent);
+        let on_host = |host: Host| {
+            let children = u64::from(species.levels[host.places].placement.children);
+            let places = hosts::places(species, host).count() as u64;
+            let carriers = nodes.get(host.level).copied().unwrap_or(0);
+            carriers.saturating_mul(places * children)
+        };
+        let here = match script.parent {
+            None => per_parent,
+            Some(_) => hosts::hosts(species, index)
+                .into_iter()
+                .map(on_host)
+                .fold(0, u64::saturating_add),
+        };
         total = total.saturating_add(here);
         if total > limits.nodes {
             let level = script.name.clone();

@@ -1,12 +1,13 @@
 //! Where the children of one prototype sit: positions, angles, sizes, thickness.
 
+use super::pipes::TIP;
 use super::{Branch, Link, Prototype};
-use crate::math::{Quat, Similarity, Vec3};
+use crate::math::{Quat, Similarity, Vec3, float};
 use crate::rng::{Key, Parameter};
-use crate::species::schema::{Envelope, Level, LevelKind, Param, Size, Species};
+use crate::species::schema::{Envelope, Level, LevelKind, Param, Placement, Size, Species};
 
 /// A child may be at most this part as thick as its parent where it leaves it.
-const THICKEST_CHILD: f32 = 0.95;
+pub(super) const THICKEST_CHILD: f32 = 0.95;
 
 /// Smallest factor on a child's thickness and size: keeps frames invertible.
 const SMALLEST_FACTOR: f32 = 0.02;
@@ -14,7 +15,12 @@ const SMALLEST_FACTOR: f32 = 0.02;
 /// What links need to know of the level that they lead to.
 pub(super) struct ChildLevel<'a> {
     pub(super) index: u16,
+    /// What it is.
     pub(super) script: &'a Level,
+    /// Where it grows: its own script but for places that skip levels.
+    pub(super) places: &'a Level,
+    /// The part that the pipe model has in the radii of what carries it.
+    pub(super) pipe_model: f32,
     /// Length of a prototype at scale 1 without chance, metres.
     pub(super) length: f32,
     /// Radius at the base at scale 1, metres; 0 for leaves.
@@ -34,19 +40,21 @@ pub(super) fn factor(param: &Param, key: Key, parameter: Parameter, at: f32) -> 
     (param.at.at(at) * (1.0 + param.vary * key.signed(parameter))).max(SMALLEST_FACTOR)
 }
 
-/// All children of one level on one branch prototype, in order of position and then around it.
+/// Children of one level on one branch prototype at the given places, in order of position and then around it.
+/// By the pipe model those at the very end take all of its cross-section, and so go on in its stead.
 pub(super) fn on_branch(
     parent: &Branch,
     child: &ChildLevel<'_>,
+    indices: impl Iterator<Item = u32>,
     seed: Key,
     parent_variant: u64,
 ) -> Vec<Link> {
-    let placement = &child.script.placement;
-    let level_key = seed.level(&child.script.name).with(parent_variant);
+    let placement = &child.places.placement;
+    let level_key = seed.level(&child.places.name).with(parent_variant);
     let mut links = Vec::with_capacity(placement.links as usize * placement.children as usize);
-    for index in 0..placement.links {
+    for index in indices {
         let link_key = level_key.with(u64::from(index));
-        let at = position(child.script, link_key, index);
+        let at = position(placement, link_key, index);
         for around in 0..placement.children {
             let key = link_key.with(u64::from(around));
             links.push(one(parent, child, key, at, index, around));
@@ -60,8 +68,7 @@ pub(super) fn on_branch(
     clippy::cast_precision_loss,
     reason = "link numbers are far below 2^24"
 )]
-fn position(level: &Level, key: Key, index: u32) -> f32 {
-    let p = &level.placement;
+pub(super) fn position(p: &Placement, key: Key, index: u32) -> f32 {
     let last = p.links.saturating_sub(1).max(1) as f32;
     let even = if p.links == 1 {
         1.0
@@ -84,7 +91,7 @@ fn one(
     index: u32,
     around: u32,
 ) -> Link {
-    let p = &child.script.placement;
+    let p = &child.places.placement;
     let link = index as f32;
     let turn = angle(&p.around, key, Parameter::Around, at, link)
         + crate::math::TAU * around as f32 / p.children as f32;
@@ -136,18 +143,23 @@ fn thickness(parent: &Branch, child: &ChildLevel<'_>, key: Key, at: f32, scale: 
     let LevelKind::Branch(params) = &child.script.kind else {
         return 1.0;
     };
-    let asked = factor(
-        &child.script.placement.thickness,
-        key,
-        Parameter::Thickness,
-        at,
-    );
+    let placement = &child.places.placement;
+    let asked = factor(&placement.thickness, key, Parameter::Thickness, at);
     // The first ring is drawn in to hide in *its* parent; what a child sees starts after it.
     let parent_radius = parent.at(at.max(parent.axis[1].t)).radius;
     let own = (child.radius * scale).max(1e-9);
     let wanted = match params.radius {
         Size::Metres(_) => asked,
-        Size::OfParent(ratio) => asked * ratio * parent_radius / own,
+        Size::OfParent(ratio) => {
+            let ratio = asked * ratio;
+            let pipes = if 1.0 - at > TIP {
+                0.0
+            } else {
+                child.pipe_model
+            };
+            let whole = THICKEST_CHILD / float(placement.children).sqrt();
+            (ratio + (whole - ratio) * pipes) * parent_radius / own
+        }
     };
     wanted
         .min(THICKEST_CHILD * parent_radius / own)
@@ -215,17 +227,11 @@ pub(super) fn on_stool(species: &Species, child: &ChildLevel<'_>, seed: Key) -> 
         .collect()
 }
 
-/// For each prototype of a level: the largest radius (at scale and thickness 1) of a first ring that
-/// stays inside the parent at every link, however thin that parent's thinnest node is.
-pub(super) fn hidden_radii(
-    parents: &[Prototype],
-    parent_thinnest: &[f32],
-    level: u16,
-    prototypes: usize,
-) -> Vec<f32> {
+/// Lowers, for each prototype of a level, the largest radius (at scale and thickness 1) of a first ring that
+/// stays inside these parents at every link, however thin a parent's thinnest node is.
+pub(super) fn hide(hidden: &mut [f32], parents: &[Prototype], parent_thinnest: &[f32], level: u16) {
     // Inside the circle inscribed in a three-sided tube, with a little to spare.
     const INSCRIBED: f32 = 0.45;
-    let mut hidden = vec![f32::INFINITY; prototypes];
     for (parent, &thinnest) in parents.iter().zip(parent_thinnest) {
         let super::Part::Branch(branch) = &parent.part else {
             continue;
@@ -237,5 +243,4 @@ pub(super) fn hidden_radii(
             *slot = slot.min(radius);
         }
     }
-    hidden
 }

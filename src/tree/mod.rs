@@ -15,8 +15,10 @@ mod count;
 pub mod flex;
 mod grow;
 mod growth;
+mod hosts;
 mod limits;
 mod links;
+mod pipes;
 
 pub use branch::{AxisSample, Branch};
 pub use count::{Extent, SubtreeCounts};
@@ -41,6 +43,8 @@ pub struct TreeLevel {
     pub name: String,
     /// The level that carries this one; `None` for the first.
     pub parent: Option<usize>,
+    /// All levels that carry it: `parent`, and those on which places skip levels (`skip` of a script).
+    pub carriers: Vec<usize>,
     /// Levels from the first (0).
     pub depth: usize,
     /// What its nodes are.

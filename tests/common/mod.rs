@@ -54,6 +54,9 @@ pub(crate) struct BranchSketch {
     pub(crate) vary: f32,
     pub(crate) sides: u32,
     pub(crate) tropism: f32,
+    /// Levels that the last place skips; none where none grows on it.
+    pub(crate) skip: u32,
+    pub(crate) pipe_model: f32,
 }
 
 /// The leaf level of a [`Sketch`].
@@ -88,9 +91,19 @@ pub(crate) fn sketches(tropism: bool) -> impl Strategy<Value = Sketch> {
         parts(5..=40),
         3..=9_u32,
         turn(),
+        prop_oneof![2 => Just(0_u32), 1 => 1..=2_u32],
+        prop_oneof![Just(0.0_f32), parts(0..=100)],
     )
         .prop_map(
-            |((links, children, variants, splines), gnarl, vary, sides, tropism)| BranchSketch {
+            |(
+                (links, children, variants, splines),
+                gnarl,
+                vary,
+                sides,
+                tropism,
+                skip,
+                pipe_model,
+            )| BranchSketch {
                 links,
                 children,
                 variants,
@@ -99,6 +112,8 @@ pub(crate) fn sketches(tropism: bool) -> impl Strategy<Value = Sketch> {
                 vary,
                 sides,
                 tropism,
+                skip,
+                pipe_model,
             },
         );
     let leaves = (1..=6_u32, 1..=3_u32, 1..=3_usize, turn()).prop_map(
@@ -125,6 +140,10 @@ pub(crate) fn sketches(tropism: bool) -> impl Strategy<Value = Sketch> {
                 leaves,
             };
             sketch.branches[0].tropism = 0.0;
+            let last = u32::try_from(sketch.branches.len() - 1).expect("a few levels");
+            for (below, branch) in (0..=last).rev().zip(&mut sketch.branches) {
+                branch.skip = branch.skip.min(below);
+            }
             sketch.thin_out();
             sketch
         })
@@ -158,7 +177,12 @@ impl Sketch {
             levels.push(Level {
                 name: format!("b{number}"),
                 parent: number.checked_sub(1).map(index),
-                placement: placement(branch.links, branch.children, branch.vary, branch.tropism),
+                placement: Placement {
+                    skip: Curve {
+                        points: vec![(0.0, 0.0), (1.0, skip_of(branch))],
+                    },
+                    ..placement(branch.links, branch.children, branch.vary, branch.tropism)
+                },
                 kind: LevelKind::Branch(branch_params(branch, number == 0)),
             });
             if roots_at == Some(number + 1) {
@@ -244,6 +268,7 @@ fn placement(links: u32, children: u32, vary: f32, tropism: f32) -> Placement {
         end: 1.0,
         jitter: vary,
         crowding: 0.9,
+        skip: Curve::constant(0.0),
         around: degrees(10.0, 137.5),
         down: degrees(50.0, 0.0),
         sideways: degrees(0.0, 0.0),
@@ -253,6 +278,12 @@ fn placement(links: u32, children: u32, vary: f32, tropism: f32) -> Placement {
         tropism,
         envelope: None,
     }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a few levels")]
+fn skip_of(branch: &BranchSketch) -> f32 {
+    // One place alone is the first, which skips nothing.
+    branch.skip as f32
 }
 
 fn branch_params(branch: &BranchSketch, trunk: bool) -> BranchParams {
@@ -273,6 +304,7 @@ fn branch_params(branch: &BranchSketch, trunk: bool) -> BranchParams {
         taper: Curve {
             points: vec![(0.0, 1.0), (1.0, 0.35)],
         },
+        pipe_model: branch.pipe_model,
         gnarl: branch.gnarl,
         collar: 1.3,
         flare: None,
@@ -291,6 +323,8 @@ fn roots() -> Level {
         vary: 0.1,
         sides: 5,
         tropism: 0.0,
+        skip: 0,
+        pipe_model: 0.0,
     };
     let mut placement = placement(1, 3, 0.1, 0.0);
     (placement.start, placement.end) = (0.05, 0.05);
@@ -382,6 +416,8 @@ pub(crate) fn small() -> Sketch {
         vary: 0.2,
         sides,
         tropism: 0.0,
+        skip: 0,
+        pipe_model: 0.0,
     };
     Sketch {
         seed: 5,

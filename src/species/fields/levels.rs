@@ -111,6 +111,7 @@ pub const NOT_FOR_TRUNK: &[&str] = &[
     "end",
     "jitter",
     "crowding",
+    "skip",
     "down",
     "sideways",
     "spin",
@@ -128,6 +129,12 @@ pub static BRANCH: Table = Table {
     groups: &[
         PLACEMENT,
         &[
+            field(
+                "skip",
+                Curve(limits(0.0, 8.0, "levels")),
+                Means("0"),
+                "Levels that places skip, by their part of all: near a tip branches have not branched as often.",
+            ),
             field("variants", Whole(1, 16), Means("1"), "Distinct prototypes."),
             field(
                 "splines",
@@ -170,6 +177,12 @@ pub static BRANCH: Table = Table {
                 Curve(limits(0.0, 10.0, "")),
                 Means("[(0, 1), (1, 0.15)]"),
                 "Radius along the branch, as a factor of the base radius.",
+            ),
+            field(
+                "pipe_model",
+                Number(PART),
+                Means("0"),
+                "Part of the taper that follows from what grows on it: 1 keeps the cross-section at forks.",
             ),
             field(
                 "gnarl",

@@ -4,7 +4,7 @@ use super::shape::Names;
 use crate::species::decode::{Fields, Report, Value, with_nearest};
 use crate::species::fields::{self, LEVELS, MAX_LEVELS, MAX_LINKS, MAX_NODES, NOT_FOR_TRUNK};
 use crate::species::schema::{
-    BranchParams, Envelope, Flare, Flutes, LeafParams, Level, LevelKind, Placement, Size,
+    BranchParams, Curve, Envelope, Flare, Flutes, LeafParams, Level, LevelKind, Placement, Size,
 };
 use crate::species::syntax::Kind;
 
@@ -65,9 +65,17 @@ pub(super) fn levels<'n>(out: &mut Report, root: &Fields<'n>, known: &Known<'_, 
         seen: Vec::new(),
         links: 0,
         levels: Vec::new(),
+        skips: Vec::new(),
     };
+    let before = out.count();
     for item in items {
         reading.level(out, item);
+    }
+    // Of levels that could not be read there is no telling what grows on them.
+    if out.count() == before {
+        for (level, value) in &reading.skips {
+            skips(out, &reading.levels, *level, value);
+        }
     }
     Levels {
         levels: reading.levels,
@@ -97,6 +105,8 @@ struct Reading<'a, 'n> {
     /// Links that all prototypes so far hold.
     links: u64,
     levels: Vec<Level>,
+    /// Levels of which some places skip levels, and where that is written.
+    skips: Vec<(usize, Value<'n>)>,
 }
 
 /// What later levels need to know of one.
@@ -139,7 +149,10 @@ impl<'n> Reading<'_, 'n> {
         };
         let carrier = parent.and_then(|parent| self.seen.get(parent));
         let depth = carrier.map_or(0, |seen| seen.depth + 1);
-        let placement = placement(out, &fields);
+        let placement = placement(out, &fields, leaves);
+        if let Some(value) = fields.get("skip") {
+            self.skips.push((self.levels.len(), value));
+        }
         let kind = if leaves {
             let list = fields.require(out, "kinds");
             let kinds = list.map(|list| self.known.leaves.choices(out, &list));
@@ -231,6 +244,7 @@ impl<'n> Reading<'_, 'n> {
             length_vary: fields.number(out, "length_vary"),
             radius: size(out, fields, ["radius_m", "radius_of_parent"], is_trunk),
             taper,
+            pipe_model: fields.number(out, "pipe_model"),
             gnarl: fields.number(out, "gnarl"),
             collar: fields.number(out, "collar"),
             flare: fields.get("flare").map(|value| flare(out, value)),
@@ -300,6 +314,39 @@ fn count(
     carrier.nodes
 }
 
+/// Only levels that are there can be skipped, and not by all places.
+fn skips(out: &mut Report, levels: &[Level], level: usize, value: &Value<'_>) {
+    let (name, placement) = (&levels[level].name, &levels[level].placement);
+    let after = |level: usize| {
+        levels
+            .iter()
+            .position(|l| l.parent == Some(level) && matches!(l.kind, LevelKind::Branch(_)))
+    };
+    let there = std::iter::successors(after(level), |&l| after(l)).count();
+    let most = usize::try_from(placement.most_skipped()).unwrap_or(usize::MAX);
+    if most > there {
+        let found = match there {
+            0 => format!("no branches grow on `{name}`, so that no place can skip it"),
+            1 => format!("places would skip {most} levels of branches, and 1 grows on `{name}`"),
+            _ => format!(
+                "places would skip {most} levels of branches, and {there} grow on `{name}` one on another"
+            ),
+        };
+        out.push(
+            value
+                .fault(found)
+                .help(format!("keep the curve below {there}.5")),
+        );
+    } else if (0..placement.links).all(|index| placement.skipped(index) > 0) {
+        let message = format!("every place skips `{name}`, so that the tree has none");
+        out.push(
+            value
+                .fault(message)
+                .help("let the curve begin at 0: [(0, 0), (1, 1)]"),
+        );
+    }
+}
+
 /// The trunk grows on nothing, and is a branch.
 fn trunk(out: &mut Report, fields: &Fields<'_>, leaves: bool) {
     if leaves {
@@ -342,7 +389,7 @@ fn size(
     }
 }
 
-fn placement(out: &mut Report, fields: &Fields<'_>) -> Placement {
+fn placement(out: &mut Report, fields: &Fields<'_>, leaves: bool) -> Placement {
     let before = out.count();
     let (start, end) = (fields.number(out, "start"), fields.number(out, "end"));
     if out.count() == before && start > end {
@@ -357,6 +404,11 @@ fn placement(out: &mut Report, fields: &Fields<'_>) -> Placement {
         end,
         jitter: fields.number(out, "jitter"),
         crowding: fields.number(out, "crowding"),
+        skip: if leaves {
+            Curve::constant(0.0)
+        } else {
+            fields.curve(out, "skip")
+        },
         around: fields.param(out, "around"),
         down: fields.param(out, "down"),
         sideways: fields.param(out, "sideways"),
