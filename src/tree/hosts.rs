@@ -1,9 +1,10 @@
 //! Which branches carry a level: those of its parent, and those further down on which places skip levels.
 //!
-//! Along an axis the branches near the tip are the youngest: they have not branched as often as those near its
-//! base (physiological age; Barthélémy and Caraglio 2007). A place that skips a level carries a node of the
-//! level after it at once. The node is of the same prototypes as all others of its level, so sharing stays
-//! whole, and an axis with many branches still falls into streams of few (Strahler's ratio).
+//! Branches of one axis differ: near a young tip they have not branched as often as at the base, and where an axis
+//! is strongest near its end, those further in have stayed small (physiological age, acrotony; Barthélémy and
+//! Caraglio 2007). A place that skips a level carries a node of the level after it at once. The node is of the
+//! same prototypes as all others of its level, so sharing stays whole, and an axis with many branches still falls
+//! into streams of few (Strahler's ratio).
 
 use crate::species::schema::{LevelKind, Species};
 

@@ -133,7 +133,7 @@ pub static BRANCH: Table = Table {
                 "skip",
                 Curve(limits(0.0, 8.0, "levels")),
                 Means("0"),
-                "Levels that places skip, by their part of all: near a tip branches have not branched as often.",
+                "Levels that places skip, by their part of all (0 the first, 1 the last): branches that have not branched as often.",
             ),
             field("variants", Whole(1, 16), Means("1"), "Distinct prototypes."),
             field(
