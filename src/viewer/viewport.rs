@@ -67,6 +67,10 @@ pub struct Viewport {
     moved: Option<f64>,
     /// When the frame before was begun, if something moved then.
     before: Option<f64>,
+    /// How long pictures of sketches take while there is a whole tree, and the other way round.
+    other_pace: Pace,
+    /// What the last whole tree and the last sketch had of LODs, and of triangles in a hurry.
+    finest: [Option<(usize, u64)>; 2],
 }
 
 type Costly = (Arrangement, Choice, bool);
@@ -93,6 +97,8 @@ impl Viewport {
             arrived: false,
             moved: None,
             before: None,
+            other_pace: Pace::default(),
+            finest: [None; 2],
         })
     }
 
@@ -119,21 +125,30 @@ impl Viewport {
         self.canvas.maker()
     }
 
-    /// Shows a tree that such a thread has put on the device; the camera stays, but for the first tree.
-    pub fn put(&mut self, model: Model) {
-        let before = self.canvas.finest();
-        self.canvas.put(model);
+    /// Shows a tree that such a thread has put on the device; the camera stays, but for the first tree. If it is the
+    /// tree that is shown, only finer, there is no haste.
+    pub fn put(&mut self, model: Model, is_finer: bool) {
+        let was_sketch = self.canvas.is_sketch();
+        self.canvas.put(model, is_finer);
+        let (now, is_sketch) = (self.canvas.finest(), self.canvas.is_sketch());
+        if is_sketch != was_sketch {
+            std::mem::swap(&mut self.pace, &mut self.other_pace);
+        }
         // One edit after another changes little of how long a picture takes.
         let alike = |(lods, triangles): (usize, u64), (count, now): (usize, u64)| {
             lods == count && now.max(triangles) <= now.min(triangles).saturating_mul(3) / 2
         };
-        if !before
-            .zip(self.canvas.finest())
-            .is_some_and(|(a, b)| alike(a, b))
-        {
+        let before = std::mem::replace(&mut self.finest[usize::from(is_sketch)], now);
+        if !before.zip(now).is_some_and(|(a, b)| alike(a, b)) {
             self.pace.forget();
         }
-        self.arrived = true;
+        self.arrived |= !is_finer;
+    }
+
+    /// True if a processor draws, which takes its time.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.canvas.is_software()
     }
 
     /// Frames the tree that comes next, as it does the first one.
@@ -348,7 +363,8 @@ impl Viewport {
         } else if hurried && !moves {
             self.quality
         } else {
-            self.pace.quality(hurried, most, self.quality)
+            let least = usize::from(self.canvas.is_rough()).min(most);
+            self.pace.quality(hurried, (least, most), self.quality)
         };
         let cast = cast(subject);
         let camera = self.rig.camera();
@@ -360,7 +376,10 @@ impl Viewport {
             0.0
         };
         let trees = self.stage.forest(&cast, settings);
-        let woods = woods(settings, wanted.coarser, seconds);
+        let woods = Woods {
+            hurried: hurried && self.canvas.is_software(),
+            ..woods(settings, wanted.coarser, seconds)
+        };
         let mut drawn = self.canvas.draw(Side::Main, &scene, (trees, woods), size)?;
         if two {
             let finest = split::finest(&scene);
@@ -407,6 +426,7 @@ impl Viewport {
 fn cast(subject: &Subject) -> Cast<'_> {
     Cast {
         lods: &subject.lods,
+        stand_ins: &subject.stand_ins,
         bounds: subject.bounds,
     }
 }
@@ -422,6 +442,7 @@ fn woods(settings: &Settings, coarser: usize, seconds: f32) -> Woods {
         coarser,
         fade: if seconds > 0.0 { FADE } else { 0.0 },
         seconds,
+        hurried: false,
     }
 }
 
