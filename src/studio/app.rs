@@ -418,6 +418,8 @@ impl Studio {
         self.settle(ui);
         self.listen(ui);
         self.rest(ui);
+        let is_awaited = self.is_awaited();
+        self.view.await_tree(is_awaited);
         let postponed = std::mem::take(&mut self.postponed);
         let mut orders = Vec::new();
         if self.question.is_none() {

@@ -296,6 +296,13 @@ impl Studio {
         }
     }
 
+    /// True if the sketcher is at a tree that the view has not, or not at full detail.
+    pub(super) fn is_awaited(&self) -> bool {
+        let shown = self.shown.as_ref();
+        let is_rough = shown.is_some_and(|shown| shown.kind == Kind::Rough);
+        self.sketcher.stage().is_some() && (is_rough || !self.is_up_to_date())
+    }
+
     /// Makes the tree finer, and at last whole, once no hand has changed it for a while.
     pub(super) fn rest(&mut self, ui: &Ui) {
         let Some(due) = self.due else {

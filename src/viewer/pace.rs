@@ -5,9 +5,9 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-/// Seconds that drawing may take while something moves: with what the window itself needs, some 12 frames a
+/// Seconds that drawing may take while something moves: with what the window itself needs, at least 10 frames a
 /// second.
-pub const GOAL: f32 = 0.06;
+pub const GOAL: f32 = 0.04;
 
 /// Parts of the window's pixels along an edge, from the finest.
 const FACTORS: [f32; 6] = [1.0, 0.75, 0.5, 0.375, 0.3, 0.25];
@@ -314,7 +314,7 @@ mod tests {
         assert!(pace.quality(true, (0, 0), Quality::FULL).factor < 0.5);
         for _ in 0..60 {
             let quality = pace.quality(true, (0, 0), Quality::FULL);
-            pace.observe(quality, 0.04 * quality.factor * quality.factor);
+            pace.observe(quality, 0.025 * quality.factor * quality.factor);
         }
         assert_eq!(pace.quality(true, (0, 0), Quality::FULL).factor, 1.0);
     }

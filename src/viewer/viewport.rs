@@ -63,6 +63,8 @@ pub struct Viewport {
     last: Option<(Rig, Settings, [u32; 2])>,
     /// True if another tree has come since the frame before, which counts as a move.
     arrived: bool,
+    /// True while a better tree than the one that is shown is about to come.
+    awaits: bool,
     /// When something moved last, seconds of the window's clock; none if it never did.
     moved: Option<f64>,
     /// When the frame before was begun, if something moved then.
@@ -95,6 +97,7 @@ impl Viewport {
             unframed: true,
             last: None,
             arrived: false,
+            awaits: false,
             moved: None,
             before: None,
             other_pace: Pace::default(),
@@ -143,6 +146,11 @@ impl Viewport {
             self.pace.forget();
         }
         self.arrived |= !is_finer;
+    }
+
+    /// Whether another tree than the one that is shown is about to come: this one is then not worth a picture in full.
+    pub fn await_tree(&mut self, awaits: bool) {
+        self.awaits = awaits;
     }
 
     /// True if a processor draws, which takes its time.
@@ -340,7 +348,7 @@ impl Viewport {
     fn draw(&mut self, ui: &Ui, settings: &Settings, subject: &Subject) -> Result<(), ForestError> {
         let now = ui.input(|i| i.time);
         let moves = self.moves(settings);
-        if moves {
+        if moves || self.awaits {
             self.moved = Some(now);
         }
         let resting = self.moved.map_or(f64::MAX, |moved| now - moved);
