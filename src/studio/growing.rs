@@ -8,9 +8,11 @@ use super::app::Studio;
 use super::document::Outside;
 use super::questions::Question;
 use crate::asset::TreeAsset;
-use crate::pipeline::{self, Haste, Sketch, Sketcher};
+use crate::capture::{self, BakeError};
+use crate::pipeline::{self, GenerateError, Haste, Sketch, Sketcher};
 use crate::render::{Maker, Model, Textures};
 use crate::report::Progress;
+use crate::shadow;
 use crate::species::{self, Beside};
 use crate::viewer::Subject;
 use eframe::egui::Ui;
@@ -172,10 +174,19 @@ impl Studio {
             let (Some(asset), Some(model)) = (sketch.subject.asset(), sketches.model.take()) else {
                 return Ok(None);
             };
-            let settings = pipeline::Settings::default();
-            let furnished = sketches
-                .sketcher
-                .furnish(asset, &species, &settings, &files, progress);
+            let furnished =
+                sketches
+                    .sketcher
+                    .furnish(asset, &species, &first_pass(), &files, progress);
+            let furnished = furnished.or_else(|error| match error {
+                GenerateError::Bake(BakeError::AtlasTooSmall { .. }) => {
+                    let settings = pipeline::Settings::default();
+                    sketches
+                        .sketcher
+                        .furnish(asset, &species, &settings, &files, progress)
+                }
+                error => Err(error),
+            });
             let furnished = furnished.map_err(|e| e.to_string())?;
             let model = maker.shaded(&model, &furnished.shadows);
             let model = model.map_err(|e| e.to_string())?;
@@ -334,6 +345,22 @@ impl Studio {
             Due::Whole(_) => return self.grow(),
         }
         ui.ctx().request_repaint();
+    }
+}
+
+/// How captures and shadows are made that are wanted soon: with a quarter of the texels, and half of the samples.
+fn first_pass() -> pipeline::Settings {
+    let whole = pipeline::Settings::default();
+    pipeline::Settings {
+        captures: capture::Settings {
+            atlas_size: whole.captures.atlas_size / 2,
+            ..whole.captures
+        },
+        shadows: shadow::Settings {
+            samples: whole.shadows.samples / 2,
+            ..whole.shadows
+        },
+        ..whole
     }
 }
 
