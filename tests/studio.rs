@@ -466,6 +466,11 @@ fn sketches() -> Outcome {
     assert!(!window.state().is_up_to_date());
     until(&mut window, "the next sketch", Studio::is_up_to_date)?;
     assert!(window.state().subject().is_none(), "it was no sketch");
+    until(&mut window, "captures and shadows", Studio::is_furnished)?;
+    assert!(
+        window.state().subject().is_none(),
+        "they come before the LODs"
+    );
     until(&mut window, "the whole tree", |s| s.subject().is_some())?;
     let lods = window.state().subject().map_or(0, |s| s.lods.len());
     assert!(lods > 2, "{lods} LODs");

@@ -53,6 +53,7 @@ impl Occlusion {
     pub fn light(&mut self) {
         let directions = all_around();
         self.open = (0..self.density.len())
+            .into_par_iter()
             .map(|index| {
                 let point = self.middle(index);
                 let sum: f32 = directions

@@ -1,11 +1,13 @@
 //! The list of stages: from a species and a seed to a finished [`TreeAsset`].
 
 mod choose;
+mod furnish;
 mod sketch;
+mod stand_in;
 mod tone;
 
 pub use choose::Selection;
-pub use sketch::{Sketch, Sketcher};
+pub use sketch::{Haste, Sketch, Sketcher};
 
 use self::choose::Fitting;
 use self::tone::Tones;

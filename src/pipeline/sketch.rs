@@ -1,18 +1,21 @@
 //! A tree at full detail, without captures, LODs and shadows: what an editor shows while something changes.
 
+use super::stand_in::{STAND_INS, thinned};
 use super::{GenerateError, Settings, artwork, bark};
 use crate::asset::{AssetLod, Surface, TreeAsset};
 use crate::capture::{self, LeafSheet};
 use crate::image::atlas::Rect;
 use crate::image::dilate::dilate;
+use crate::image::{Image, Texel};
 use crate::impostor::cross_quad::CrossQuads;
 use crate::lod::{Counts, Selector, State};
 use crate::mesh::card::Pane;
-use crate::mesh::{Coat, Flattener, Swayer};
+use crate::mesh::{Coat, Flattener, Mesh, Swayer, TooLarge};
 use crate::shadow::Shadows;
 use crate::species::Files;
 use crate::species::schema::{Bark, LeafKind, LeafLook, Species};
-use crate::tree;
+use crate::tree::{self, Tree};
+use crate::wind::Rig;
 
 /// Trees of more triangles are not sketched: they would not follow a hand.
 const MOST_TRIANGLES: u64 = 1_500_000;
@@ -35,11 +38,26 @@ pub struct Sketch {
     pub asset: TreeAsset,
     /// Number of its textures: the same as that of another sketch of the same sketcher if they are the same.
     pub textures: u64,
+    /// Meshes of few triangles that stand in for it while something moves, falling.
+    pub stand_ins: Vec<Mesh>,
+    /// True if its own mesh stands in for full detail.
+    pub is_rough: bool,
+}
+
+/// How soon a sketch is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Haste {
+    /// At full detail, and no other.
+    None,
+    /// At full detail, with meshes that stand in for it.
+    Some,
+    /// In few triangles where full detail has many: it follows a hand on a slow machine.
+    Great,
 }
 
 /// Textures and what they were drawn from.
 #[derive(Debug)]
-struct Kept {
+pub(super) struct Kept {
     leaves: Vec<LeafKind>,
     bark: Bark,
     seed: u64,
@@ -47,7 +65,9 @@ struct Kept {
     rects: Vec<Rect>,
     panes: Vec<Pane>,
     wood: Surface,
-    coat: Coat,
+    /// The same as texels, with their mips.
+    pub(super) bark_mips: Vec<Image<Texel>>,
+    pub(super) coat: Coat,
 }
 
 impl Sketcher {
@@ -61,8 +81,22 @@ impl Sketcher {
         settings: &Settings,
         files: &dyn Files,
     ) -> Result<Option<Sketch>, GenerateError> {
+        self.sketch_in(Haste::None, species, settings, files)
+    }
+
+    /// Sketches a tree in more or less haste.
+    ///
+    /// # Errors
+    /// See [`GenerateError`].
+    pub fn sketch_in(
+        &mut self,
+        haste: Haste,
+        species: &Species,
+        settings: &Settings,
+        files: &dyn Files,
+    ) -> Result<Option<Sketch>, GenerateError> {
         let seed = settings.seed.unwrap_or(species.seed);
-        self.shape(species, (seed, seed), settings, files)
+        self.draw(haste, species, (seed, seed), settings, files)
     }
 
     /// Sketches the tree of one seed in the textures of another: to look at many shapes soon.
@@ -72,28 +106,63 @@ impl Sketcher {
     pub fn shape(
         &mut self,
         species: &Species,
+        seeds: (u64, u64),
+        settings: &Settings,
+        files: &dyn Files,
+    ) -> Result<Option<Sketch>, GenerateError> {
+        self.draw(Haste::None, species, seeds, settings, files)
+    }
+
+    fn draw(
+        &mut self,
+        haste: Haste,
+        species: &Species,
         (seed, textures): (u64, u64),
         settings: &Settings,
         files: &dyn Files,
     ) -> Result<Option<Sketch>, GenerateError> {
         let tree = tree::grow(species, seed, &settings.limits)?;
-        if Selector::new(&tree, &species.lod).full_triangles() > MOST_TRIANGLES {
+        let full = Selector::new(&tree, &species.lod).full_triangles();
+        if full > MOST_TRIANGLES {
             return Ok(None);
         }
         let kept = self.textures(species, textures, files)?;
         let quads = CrossQuads::none(&tree, kept.panes.clone());
-        let state = State::full(&tree);
-        let form = quads.form(&tree, &state, kept.coat);
-        let mut mesh = Flattener::new(&tree, &form).tree()?;
-        let swayer = Swayer::new(&tree);
-        swayer.form(&form, &mut mesh);
+        let splines = species.lod.tolerances.len();
+        let stand_in = |most: &u64| {
+            let (thin, state) = thinned(&tree, splines, *most);
+            drawn(&thin, &state, (&quads, kept.coat)).map(|(mesh, rig)| (mesh, rig, (thin, state)))
+        };
+        let mut smaller = STAND_INS
+            .iter()
+            .filter(|&&most| haste != Haste::None && full > most);
+        let rough = match (haste, full > STAND_INS[0]) {
+            (Haste::Great, true) => smaller.next().map(stand_in).transpose()?,
+            _ => None,
+        };
+        let is_rough = rough.is_some();
+        let stand_ins: Result<Vec<Mesh>, TooLarge> =
+            smaller.map(|most| Ok(stand_in(most)?.0)).collect();
+        let stand_ins = stand_ins?;
+        let (mesh, rig, triangles, state) = match rough {
+            Some((mesh, rig, (thin, state))) => {
+                let triangles = Counts::of(&thin, splines).triangles(&thin, &state);
+                (mesh, rig, triangles, "sketch")
+            }
+            None => {
+                let state = State::full(&tree);
+                let (mesh, rig) = drawn(&tree, &state, (&quads, kept.coat))?;
+                let triangles = Counts::of(&tree, 1).triangles(&tree, &state);
+                (mesh, rig, triangles, "full detail")
+            }
+        };
         let (foliage, wood) = (kept.foliage.clone(), kept.wood.clone());
         let rects = kept.rects.clone();
         let coat = kept.coat;
         let lod = AssetLod {
             budget: None,
-            state: "full detail".to_owned(),
-            triangles: Counts::of(&tree, 1).triangles(&tree, &state),
+            state: state.to_owned(),
+            triangles,
             error_m: 0.0,
             screen_size: 1.0,
             scale: 1.0,
@@ -121,19 +190,21 @@ impl Sketcher {
             coat,
             tones: Vec::new(),
             shadows: Shadows { maps: Vec::new() },
-            wind: swayer.rig(),
+            wind: rig,
             warnings: Vec::new(),
             tree,
         };
         Ok(Some(Sketch {
             asset,
             textures: self.number,
+            stand_ins,
+            is_rough,
         }))
     }
 
     /// The textures of a species, drawn anew if they are others than before. Those of images always are: their
     /// files may have changed.
-    fn textures(
+    pub(super) fn textures(
         &mut self,
         species: &Species,
         seed: u64,
@@ -170,6 +241,7 @@ impl Sketcher {
                 rects,
                 panes,
                 wood: Surface::of(&wood[0]),
+                bark_mips: wood,
                 coat,
             });
         }
@@ -179,6 +251,19 @@ impl Sketcher {
             smallest: 0,
         })
     }
+}
+
+/// The mesh of a tree in a state, and how its sway is to be read.
+fn drawn(
+    tree: &Tree,
+    state: &State,
+    (quads, coat): (&CrossQuads, Coat),
+) -> Result<(Mesh, Rig), TooLarge> {
+    let form = quads.form(tree, state, coat);
+    let mut mesh = Flattener::new(tree, &form).tree()?;
+    let swayer = Swayer::new(tree);
+    swayer.form(&form, &mut mesh);
+    Ok((mesh, swayer.rig()))
 }
 
 #[cfg(test)]
@@ -215,6 +300,27 @@ mod tests {
             made.lods[0].mesh.foliage.sway.len(),
             own.mesh.foliage.sway.len()
         );
+    }
+
+    #[test]
+    fn a_sketch_in_haste_has_few_triangles_and_one_with_time_has_the_same_to_stand_in() {
+        let (species, settings) = (olive(), Settings::default());
+        let mut sketcher = Sketcher::default();
+        let mut sketch = |haste: Haste| {
+            let sketch = sketcher.sketch_in(haste, &species, &settings, &NoFiles);
+            sketch.expect("it grows").expect("it is small")
+        };
+        let (hasty, whole) = (sketch(Haste::Great), sketch(Haste::Some));
+        assert!(hasty.is_rough && !whole.is_rough);
+        let own = &hasty.asset.lods[0];
+        assert_eq!(own.triangles.total(), own.mesh.triangles());
+        assert!(own.mesh.triangles() < whole.asset.lods[0].mesh.triangles() / 2);
+        assert_eq!((hasty.stand_ins.len(), whole.stand_ins.len()), (1, 2));
+        assert!(own.mesh == whole.stand_ins[0]);
+        assert!(hasty.stand_ins[0] == whole.stand_ins[1]);
+        // Handles stand on the nodes of the tree itself.
+        assert_eq!(hasty.asset.tree, whole.asset.tree);
+        assert!(sketch(Haste::None).stand_ins.is_empty());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Trees on the device: meshes, textures, baked shadows, and the volume that holds their light.
 
+use super::hull::hull;
 use super::uniforms;
 use crate::asset::{Drawable, Surface};
 use crate::capture::Occlusion;
@@ -12,14 +13,15 @@ use crate::wind::Sway;
 use rayon::prelude::*;
 use wgpu::util::DeviceExt as _;
 
-/// Cells of the light volume along the longest edge of a tree.
-const VOLUME_CELLS: u32 = 32;
-
 /// A tree on the device.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Model {
     /// LODs from the finest to the coarsest.
     pub lods: Vec<Lod>,
+    /// What stands in for the finest LOD while something moves, from the finest to the coarsest; a sketch has some.
+    pub stand_ins: Vec<Lod>,
+    /// True if its finest LOD is itself one of those.
+    pub is_rough: bool,
     /// Bounds of the finest LOD, metres: those of coarse ones reach out further.
     pub bounds: Bounds,
     /// The finest LOD's outermost points in directions all around, metres: what a camera is to show.
@@ -28,6 +30,7 @@ pub struct Model {
     pub(super) sphere: [f32; 2],
     /// Radius of the ground that its baked shadows cover, metres.
     pub(super) ground_reach: f32,
+    uniform: uniforms::Model,
     pub(super) group: wgpu::BindGroup,
     pub(super) ground_group: wgpu::BindGroup,
     pub(super) bark: wgpu::BindGroup,
@@ -35,7 +38,7 @@ pub struct Model {
 }
 
 /// One LOD on the device.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Lod {
     /// Part of the picture's height up to which it may be shown.
     pub screen_size: f32,
@@ -48,7 +51,7 @@ pub struct Lod {
 }
 
 /// Triangles of one material.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Part {
     pub(super) vertices: wgpu::Buffer,
     /// How the vertices sway.
@@ -57,29 +60,6 @@ pub(super) struct Part {
     /// Pairs of indices, for the view of edges.
     pub(super) edges: wgpu::Buffer,
     pub(super) count: u32,
-}
-
-/// Makes models for a renderer, on any thread.
-#[derive(Clone, Debug)]
-pub struct Maker {
-    pub(super) gpu: Gpu,
-    pub(super) layouts: Layouts,
-}
-
-impl Maker {
-    /// Puts a tree on the device; with the `textures` of another model if they are the same.
-    ///
-    /// # Errors
-    /// [`GpuError::TooLarge`] if a mesh or a texture is more than the adapter takes, or what the driver says.
-    pub fn make(
-        &self,
-        source: &Drawable<'_>,
-        textures: Option<Textures>,
-    ) -> Result<Model, GpuError> {
-        let model = Model::new(&self.gpu, &self.layouts, source, textures)?;
-        self.gpu.check()?;
-        Ok(model)
-    }
 }
 
 /// The textures of a model on the device.
@@ -142,7 +122,7 @@ impl Model {
         gpu: &Gpu,
         layouts: &Layouts,
         source: &Drawable<'_>,
-        textures: Option<Textures>,
+        (textures, cells): (Option<Textures>, u32),
     ) -> Result<Self, GpuError> {
         gpu.check_edge("a foliage atlas", source.foliage.albedo.width())?;
         gpu.check_edge("a bark texture", source.bark.albedo.width())?;
@@ -155,14 +135,10 @@ impl Model {
             .lods
             .iter()
             .fold(Bounds::EMPTY, |all, (mesh, _)| all.union(&mesh.bounds()));
-        let volume = Volume::of(shade(source), &bounds);
+        let volume = Volume::of(shade(source), &bounds, cells);
         let finest = shade(source).bounds();
-        let uniform = upload(
-            gpu,
-            "model",
-            bytemuck::bytes_of(&uniform(source, &volume)),
-            wgpu::BufferUsages::UNIFORM,
-        );
+        let numbers = uniform(source, &volume);
+        let uniform = on_device(gpu, &numbers);
         let smooth = sampler(gpu, wgpu::AddressMode::ClampToEdge);
         let [a, b, c] = volume.views(gpu);
         let view = wgpu::BindingResource::TextureView;
@@ -177,16 +153,7 @@ impl Model {
                 (4, view(&c)),
             ],
         );
-        let shadows = shadow_view(gpu, &source.shadows.maps);
-        let ground_group = super::binding::group(
-            &gpu.device,
-            &layouts.ground,
-            &[
-                (0, uniform.as_entire_binding()),
-                (1, wgpu::BindingResource::Sampler(&smooth)),
-                (5, view(&shadows)),
-            ],
-        );
+        let ground_group = ground(gpu, layouts, &uniform, &source.shadows.maps);
         let repeat = sampler(gpu, wgpu::AddressMode::Repeat);
         let textures = textures.unwrap_or_else(|| Textures {
             bark: material(gpu, layouts, source.bark, &repeat),
@@ -194,15 +161,33 @@ impl Model {
         });
         Ok(Self {
             lods: lods?,
+            stand_ins: Vec::new(),
+            is_rough: false,
             bounds: finest,
             hull: hull(shade(source)),
             sphere: sphere(source, &bounds),
             ground_reach: ground_reach(&source.shadows.maps),
+            uniform: numbers,
             group,
             ground_group,
             bark: textures.bark,
             foliage: textures.foliage,
         })
+    }
+
+    /// The same tree with other baked shadows on the ground.
+    pub(super) fn shaded(&self, gpu: &Gpu, layouts: &Layouts, maps: &[ShadowMap]) -> Self {
+        let mut shaded = self.clone();
+        shaded.uniform.shadow_rects = shadow_rects(maps);
+        let uniform = on_device(gpu, &shaded.uniform);
+        shaded.ground_group = ground(gpu, layouts, &uniform, maps);
+        shaded.ground_reach = ground_reach(maps);
+        shaded
+    }
+
+    /// The LOD with an index: what stands in for the finest one comes after the coarsest.
+    pub(super) fn lod(&self, index: usize) -> Option<&Lod> {
+        self.lods.iter().chain(&self.stand_ins).nth(index)
     }
 
     /// Its textures, for another model that has the same.
@@ -216,7 +201,7 @@ impl Model {
 }
 
 impl Lod {
-    fn new(gpu: &Gpu, mesh: &Mesh, screen_size: f32) -> Result<Self, GpuError> {
+    pub(super) fn new(gpu: &Gpu, mesh: &Mesh, screen_size: f32) -> Result<Self, GpuError> {
         Ok(Self {
             screen_size,
             triangles: mesh.triangles(),
@@ -225,30 +210,6 @@ impl Lod {
             foliage: Part::new(gpu, &mesh.foliage)?,
         })
     }
-}
-
-/// Directions in which [`Model::hull`] looks for the outermost point.
-const HULL_DIRECTIONS: u16 = 128;
-
-/// The outermost points of a mesh, in directions on a Fibonacci spiral.
-fn hull(mesh: &Mesh) -> Vec<Vec3> {
-    let points: Vec<Vec3> = [&mesh.bark, &mesh.foliage]
-        .iter()
-        .flat_map(|p| &p.vertices)
-        .map(|v| Vec3::from(v.position))
-        .collect();
-    let farthest = |index: u16| {
-        let y = 1.0 - (f32::from(index) * 2.0 + 1.0) / f32::from(HULL_DIRECTIONS);
-        let level = (1.0 - y * y).max(0.0).sqrt();
-        let (sine, cosine) = libm::sincosf(f32::from(index) * 2.399_963);
-        let direction = Vec3::new(cosine * level, y, sine * level);
-        let further = |a: &&Vec3, b: &&Vec3| a.dot(direction).total_cmp(&b.dot(direction));
-        points.iter().max_by(further).copied()
-    };
-    (0..HULL_DIRECTIONS)
-        .into_par_iter()
-        .filter_map(farthest)
-        .collect()
 }
 
 /// How much larger than at rest a tree may be in the wind.
@@ -355,10 +316,6 @@ fn uniform(source: &Drawable<'_>, volume: &Volume) -> uniforms::Model {
     } else {
         crown
     };
-    let mut shadow_rects = [[0.0, 0.0, 1.0, 1.0]; shadow::COUNT];
-    for (rect, map) in shadow_rects.iter_mut().zip(&source.shadows.maps) {
-        *rect = map.ground_rect_m;
-    }
     uniforms::Model {
         centre: crown
             .centre()
@@ -370,9 +327,43 @@ fn uniform(source: &Drawable<'_>, volume: &Volume) -> uniforms::Model {
             .to_array(),
         volume_origin: volume.bounds.min.extend(0.0).to_array(),
         volume_scale: (1.0 / volume.bounds.size()).extend(0.0).to_array(),
-        shadow_rects,
+        shadow_rects: shadow_rects(&source.shadows.maps),
         rig: source.wind,
     }
+}
+
+/// The ground that each shadow covers; the lit ground of a tree without shadows is anywhere.
+fn shadow_rects(maps: &[ShadowMap]) -> [[f32; 4]; shadow::COUNT] {
+    let mut rects = [[0.0, 0.0, 1.0, 1.0]; shadow::COUNT];
+    for (rect, map) in rects.iter_mut().zip(maps) {
+        *rect = map.ground_rect_m;
+    }
+    rects
+}
+
+fn on_device(gpu: &Gpu, numbers: &uniforms::Model) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::UNIFORM;
+    upload(gpu, "model", bytemuck::bytes_of(numbers), usage)
+}
+
+/// What shades the ground.
+fn ground(
+    gpu: &Gpu,
+    layouts: &Layouts,
+    uniform: &wgpu::Buffer,
+    maps: &[ShadowMap],
+) -> wgpu::BindGroup {
+    let smooth = sampler(gpu, wgpu::AddressMode::ClampToEdge);
+    let shadows = shadow_view(gpu, maps);
+    super::binding::group(
+        &gpu.device,
+        &layouts.ground,
+        &[
+            (0, uniform.as_entire_binding()),
+            (1, wgpu::BindingResource::Sampler(&smooth)),
+            (5, wgpu::BindingResource::TextureView(&shadows)),
+        ],
+    )
 }
 
 /// The light that reaches each cell of a tree's bounds: from all of the sky, and from each of the nine lights.
@@ -384,8 +375,8 @@ struct Volume {
 }
 
 impl Volume {
-    fn of(mesh: &Mesh, bounds: &Bounds) -> Self {
-        let cell = (bounds.size().max_element() / float(VOLUME_CELLS)).max(1e-4);
+    fn of(mesh: &Mesh, bounds: &Bounds, cells: u32) -> Self {
+        let cell = (bounds.size().max_element() / float(cells)).max(1e-4);
         let bounds = Bounds {
             min: bounds.min - cell,
             max: bounds.max + cell,
@@ -393,9 +384,9 @@ impl Volume {
         let size = bounds
             .size()
             .to_array()
-            .map(|edge| (floor_to_u32(edge / cell) + 1).min(2 * VOLUME_CELLS));
+            .map(|edge| (floor_to_u32(edge / cell) + 1).min(2 * cells));
         let mut occlusion = Occlusion::of(mesh);
-        occlusion.refine(mesh, VOLUME_CELLS);
+        occlusion.refine(mesh, cells);
         let step = bounds.size() / Vec3::from(size.map(float));
         let lights: [Vec3; shadow::COUNT] = core::array::from_fn(shadow::direction);
         let [nx, ny, nz] = size;

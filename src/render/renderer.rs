@@ -7,10 +7,12 @@ use super::drawing::{
     light_code, light_projection, view_code,
 };
 use super::forest::{Forest, Woods};
-use super::model::{Maker, Model, extent};
+use super::maker::Maker;
+use super::model::{Model, extent};
 use super::pipelines::Pipelines;
 use super::scene::{CALM, Filter, Group, Scene, Setting, ViewMode};
-use super::targets::{DEPTH, Targets};
+use super::sun_map::{SHADOW_MAP, SMALL_MAP, SunMap};
+use super::targets::Targets;
 use super::uniforms::{Frame, Instance};
 use crate::asset::Drawable;
 use crate::gpu::{Gpu, GpuError, Readback, upload};
@@ -19,9 +21,6 @@ use crate::math::{Bounds, PI, Vec3, float};
 
 /// Samples of a pixel.
 pub(super) const SAMPLES: u32 = 4;
-
-/// Texels along the shadow map's edge.
-pub(super) const SHADOW_MAP: u32 = 2048;
 
 /// Linear colours of a clear day.
 const SUN: Vec3 = Vec3::new(7.4, 6.75, 5.6);
@@ -40,10 +39,10 @@ pub struct Renderer {
     pub(super) woods: Option<Woods>,
     targets: Option<Targets>,
     frame: wgpu::Buffer,
-    shadow_map: wgpu::TextureView,
-    /// What the shadow map shows, so that a camera that moves alone does not draw it again.
-    cast: Option<Cast>,
-    frame_group: wgpu::BindGroup,
+    /// The shadow map, and a small one.
+    sun_maps: [SunMap; 2],
+    /// True if the next picture is wanted soon.
+    hurried: bool,
     cast_group: wgpu::BindGroup,
     sampler: wgpu::Sampler,
     output: wgpu::TextureFormat,
@@ -63,46 +62,19 @@ impl Renderer {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let shadow_map = device
-            .create_texture(&wgpu::TextureDescriptor {
-                label: Some("shadow map"),
-                size: extent(SHADOW_MAP, SHADOW_MAP, 1),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: DEPTH,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-            .create_view(&wgpu::TextureViewDescriptor::default());
-        let sampler = |filter, compare| {
-            device.create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: filter,
-                min_filter: filter,
-                compare,
-                ..wgpu::SamplerDescriptor::default()
-            })
-        };
-        let linear = wgpu::FilterMode::Linear;
-        let comparison = sampler(linear, Some(wgpu::CompareFunction::LessEqual));
-        let nearest = sampler(wgpu::FilterMode::Nearest, None);
-        let frame_group = group(
-            device,
-            &pipelines.frame,
-            &[
-                (0, frame.as_entire_binding()),
-                (1, wgpu::BindingResource::TextureView(&shadow_map)),
-                (2, wgpu::BindingResource::Sampler(&comparison)),
-                (3, wgpu::BindingResource::Sampler(&nearest)),
-            ],
-        );
+        let sun_maps =
+            [SHADOW_MAP, SMALL_MAP].map(|edge| SunMap::new(device, &pipelines, &frame, edge));
         let cast_group = group(
             device,
             &pipelines.cast_frame,
             &[(0, frame.as_entire_binding())],
         );
-        let sampler = sampler(linear, None);
+        let linear = wgpu::FilterMode::Linear;
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: linear,
+            min_filter: linear,
+            ..wgpu::SamplerDescriptor::default()
+        });
         gpu.check()?;
         Ok(Self {
             gpu: gpu.clone(),
@@ -111,9 +83,8 @@ impl Renderer {
             woods: None,
             targets: None,
             frame,
-            shadow_map,
-            cast: None,
-            frame_group,
+            sun_maps,
+            hurried: false,
             cast_group,
             sampler,
             output,
@@ -126,7 +97,7 @@ impl Renderer {
     /// If the adapter cannot take it.
     pub fn add(&mut self, source: &Drawable<'_>) -> Result<usize, GpuError> {
         let model = self.maker().make(source, None)?;
-        self.cast = None;
+        self.forget_casts();
         self.models.push(model);
         Ok(self.models.len() - 1)
     }
@@ -153,7 +124,7 @@ impl Renderer {
 
     /// Puts a model in the place of another one, or adds it if there is none at that index.
     pub fn put(&mut self, index: usize, model: Model) {
-        self.cast = None;
+        self.forget_casts();
         match self.models.get_mut(index) {
             Some(old) => *old = model,
             None => self.models.push(model),
@@ -162,8 +133,20 @@ impl Renderer {
 
     /// Forgets all trees.
     pub fn clear(&mut self) {
-        self.cast = None;
+        self.forget_casts();
         self.models.clear();
+    }
+
+    /// Shadow maps show trees that are there no more.
+    fn forget_casts(&mut self) {
+        for map in &mut self.sun_maps {
+            map.cast = None;
+        }
+    }
+
+    /// Whether pictures are wanted soon from now on: a single tree then has coarse shadows.
+    pub fn hurry(&mut self, hurried: bool) {
+        self.hurried = hurried;
     }
 
     /// The trees on the device.
@@ -247,7 +230,8 @@ impl Renderer {
             Some(targets) => targets,
             None => Targets::new(&self.gpu, inner, SAMPLES)?,
         };
-        let mut uniforms = self.uniforms(scene, inner);
+        let small = usize::from(self.hurried && forest.is_none());
+        let mut uniforms = self.uniforms(scene, self.sun_maps[small].edge, inner);
         if let Some(forest) = &mut forest {
             Self::suit_forest(forest, scene, &mut uniforms);
             self.choose(&mut encoder, forest, scene, inner);
@@ -257,18 +241,19 @@ impl Renderer {
             .queue
             .write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
         let cast = Cast::of(scene, &uniforms);
-        let is_known = forest.is_none() && self.cast.as_ref() == Some(&cast);
+        let is_known = forest.is_none() && self.sun_maps[small].cast.as_ref() == Some(&cast);
         let stale = scene.setting.shadow_map && !is_known;
         let drawn = self.drawn(scene);
         if stale {
-            self.cast(&mut encoder, &drawn, forest);
+            self.cast(&mut encoder, small, &drawn, forest);
         }
         self.backdrop(&mut encoder, &targets, scene, &drawn, forest);
-        self.trees(&mut encoder, &targets, scene.view, &drawn, forest);
+        let sunlit = &self.sun_maps[small].frame_group;
+        self.trees(&mut encoder, (&targets, sunlit), scene.view, &drawn, forest);
         self.present(&mut encoder, &targets, output);
         drop(drawn);
         if stale {
-            self.cast = forest.is_none().then_some(cast);
+            self.sun_maps[small].cast = forest.is_none().then_some(cast);
         }
         self.targets = Some(targets);
         Ok(encoder)
@@ -278,7 +263,7 @@ impl Renderer {
     fn drawn<'s>(&'s self, scene: &'s Scene) -> Vec<Drawn<'s>> {
         let drawn = |group: &'s Group| {
             let model = self.models.get(group.model)?;
-            let lod = model.lods.get(group.lod)?;
+            let lod = model.lod(group.lod)?;
             let count = u32::try_from(group.trees.len()).ok().filter(|&n| n > 0)?;
             let mut trees = group.trees.clone();
             #[expect(clippy::cast_precision_loss, reason = "a handful of LODs")]
@@ -302,7 +287,7 @@ impl Renderer {
         scene.groups.iter().filter_map(drawn).collect()
     }
 
-    fn uniforms(&self, scene: &Scene, [width, height]: [u32; 2]) -> Frame {
+    fn uniforms(&self, scene: &Scene, map: u32, [width, height]: [u32; 2]) -> Frame {
         let (setting, camera) = (&scene.setting, &scene.camera);
         let [w, h] = [width, height].map(float);
         let projection = camera.view_projection(w / h);
@@ -317,7 +302,7 @@ impl Renderer {
         let sunlight = SUN * warm * setting.sun_strength * (sun.y * 8.0).clamp(0.0, 1.0);
         let wind = scene.wind.direction.normalize_or(glam::Vec2::X);
         let unit = if setting.shadow_map {
-            1.0 / float(SHADOW_MAP)
+            1.0 / float(map)
         } else {
             0.0
         };
@@ -346,7 +331,7 @@ impl Renderer {
             clock: [
                 scene.time,
                 float(SAMPLES),
-                reach * 3.0 / float(SHADOW_MAP),
+                reach * 3.0 / float(map),
                 AUXILIARY,
             ],
             viewport: [w, h, 1.0 / w, 1.0 / h],
@@ -392,12 +377,14 @@ impl Renderer {
     fn cast(
         &self,
         encoder: &mut wgpu::CommandEncoder,
+        map: usize,
         drawn: &[Drawn<'_>],
         forest: Option<&Forest>,
     ) {
+        let map = &self.sun_maps[map].view;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow map"),
-            depth_stencil_attachment: Some(depth_attachment(&self.shadow_map, 1.0)),
+            depth_stencil_attachment: Some(depth_attachment(map, 1.0)),
             ..wgpu::RenderPassDescriptor::default()
         });
         pass.set_bind_group(0, &self.cast_group, &[]);
@@ -470,7 +457,7 @@ impl Renderer {
     fn trees(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        targets: &Targets,
+        (targets, sunlit): (&Targets, &wgpu::BindGroup),
         view: ViewMode,
         drawn: &[Drawn<'_>],
         forest: Option<&Forest>,
@@ -494,7 +481,7 @@ impl Renderer {
             ViewMode::Wire => (&self.pipelines.wires, &self.pipelines.wires),
             _ => (&self.pipelines.bark, &self.pipelines.foliage),
         };
-        pass.set_bind_group(0, &self.frame_group, &[]);
+        pass.set_bind_group(0, sunlit, &[]);
         for tree in drawn {
             let edges = view == ViewMode::Wire;
             for (pipeline, part, material) in [

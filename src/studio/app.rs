@@ -8,7 +8,7 @@ use super::dropping::Copied;
 use super::export::{Exports, Written};
 use super::folder::Wants;
 use super::form::Change;
-use super::growing::{Grown, Sketches};
+use super::growing::{Due, Grown, Sketches};
 use super::hand::Hand;
 use super::judging::Judging;
 use super::kept::{Keeper, Theme};
@@ -34,7 +34,7 @@ use egui_tiles::Tree;
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Seconds that a message is shown.
 const MESSAGE: f64 = 6.0;
@@ -113,13 +113,19 @@ pub struct Studio {
     pub(super) shown: Option<Arc<Grown>>,
     /// The last tree with all its LODs.
     pub(super) grown: Option<Arc<Grown>>,
+    /// A newer tree that has captures and shadows, and no LODs yet.
+    pub(super) furnished: Option<Arc<Grown>>,
     /// How many of those there were.
+    pub(super) furnishings: u64,
+    /// How many trees with all their LODs there were.
     pub(super) number: u64,
     pub(super) sketcher: Loader<Option<Arc<Grown>>>,
     pub(super) sketches: Arc<Mutex<Sketches>>,
+    /// True if what the sketcher was asked for last takes its time, so that another edit is not to wait for it.
+    pub(super) sketches_slowly: bool,
     pub(super) grower: Loader<Grown>,
-    /// When the tree is to be grown with all its LODs.
-    pub(super) due: Option<Instant>,
+    /// What is to be done for the tree next, and when.
+    pub(super) due: Option<Due>,
     pub(super) writer: Loader<Written>,
     pub(super) exports: Exports,
     pub(super) copier: Loader<Copied>,
@@ -187,9 +193,12 @@ impl Studio {
             settings,
             shown: None,
             grown: None,
+            furnished: None,
+            furnishings: 0,
             number: 0,
             sketcher: Loader::start("sketch", wake.clone())?,
             sketches: Arc::default(),
+            sketches_slowly: true,
             grower: Loader::start("grow", wake.clone())?,
             due: None,
             writer: Loader::start("write", wake.clone())?,
@@ -240,6 +249,13 @@ impl Studio {
     pub fn is_up_to_date(&self) -> bool {
         let shown = self.shown.as_ref();
         shown.is_some_and(|shown| shown.text == self.document.text())
+    }
+
+    /// True if there are captures and shadows of the tree that the text says, be it without LODs yet.
+    #[must_use]
+    pub fn is_furnished(&self) -> bool {
+        let there = self.furnished.as_ref().or(self.grown.as_ref());
+        there.is_some_and(|tree| tree.text == self.document.text())
     }
 
     /// True if the grid of seeds has all its pictures.
@@ -296,7 +312,7 @@ impl Studio {
         self.copier.stop();
         self.selected = String::new();
         // The tree of another script is no last sound one of this.
-        (self.shown, self.grown) = (None, None);
+        (self.shown, self.furnished, self.grown) = (None, None, None);
         self.view.reframe();
         self.renew();
     }
@@ -402,6 +418,8 @@ impl Studio {
         self.settle(ui);
         self.listen(ui);
         self.rest(ui);
+        let is_awaited = self.is_awaited();
+        self.view.await_tree(is_awaited);
         let postponed = std::mem::take(&mut self.postponed);
         let mut orders = Vec::new();
         if self.question.is_none() {
@@ -497,6 +515,8 @@ impl Studio {
             shows: self.shows,
             growing: self.due.is_some() || self.grower.stage().is_some(),
             grown: grown.as_ref(),
+            furnished: self.furnished.as_ref(),
+            furnishings: self.furnishings,
             number: self.number,
             pictures: &mut self.pictures,
             judging: &mut self.judging,

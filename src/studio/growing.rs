@@ -1,11 +1,18 @@
-//! The tree: sketched at once after each change, grown with all its LODs when the hand rests, both in threads of
-//! their own.
+//! The tree: sketched at once after each change; when the hand rests, sketched as fine as it is, then captured and
+//! shaded, and last grown with all its LODs.
+//!
+//! Sketches and what belongs to them have one thread, whole trees another. Only one of the two works at a time: where a
+//! software driver draws, picture and trees share the processor.
 
 use super::app::Studio;
 use super::document::Outside;
 use super::questions::Question;
-use crate::pipeline::{self, Sketcher};
-use crate::render::{Model, Textures};
+use crate::asset::TreeAsset;
+use crate::capture::{self, BakeError};
+use crate::pipeline::{self, GenerateError, Haste, Sketch, Sketcher};
+use crate::render::{Maker, Model, Textures};
+use crate::report::Progress;
+use crate::shadow;
 use crate::species::{self, Beside};
 use crate::viewer::Subject;
 use eframe::egui::Ui;
@@ -16,6 +23,9 @@ use std::time::{Duration, Instant};
 /// How long nothing must change before a tree is grown with all its LODs.
 const REST: Duration = Duration::from_millis(250);
 
+/// How long nothing must change before a sketch is made finer than it is while a hand moves, and captured.
+const SETTLED: Duration = Duration::from_millis(120);
+
 /// A tree and the text that it grew from.
 #[derive(Debug)]
 pub(super) struct Grown {
@@ -23,6 +33,39 @@ pub(super) struct Grown {
     pub(super) text: String,
     /// On the device, until the view takes it.
     model: Mutex<Option<Model>>,
+    kind: Kind,
+}
+
+/// How much of a tree there is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    /// Few triangles that stand in for it.
+    Rough,
+    /// Full detail.
+    Fine,
+    /// With captures and shadows.
+    Furnished,
+    /// With LODs.
+    Whole,
+}
+
+/// What is to be done for a tree once nothing has changed for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Due {
+    /// It is to be sketched at full detail.
+    Fine(Instant),
+    /// Its captures and shadows are to be made.
+    Furnished(Instant),
+    /// It is to be grown with all its LODs.
+    Whole(Instant),
+}
+
+impl Due {
+    fn at(self) -> Instant {
+        match self {
+            Self::Fine(at) | Self::Furnished(at) | Self::Whole(at) => at,
+        }
+    }
 }
 
 /// What one sketch leaves to the next.
@@ -31,6 +74,23 @@ pub(super) struct Sketches {
     sketcher: Sketcher,
     /// The newest textures on the device, by number.
     textures: Option<(u64, Textures)>,
+    /// The newest sketch at full detail on the device.
+    model: Option<Model>,
+}
+
+impl Sketches {
+    /// Puts a sketch on the device, with the textures of the one before if they are the same.
+    fn put(&mut self, maker: &Maker, sketch: &Sketch) -> Result<Model, String> {
+        let number = sketch.textures;
+        let same = self.textures.take().filter(|(kept, _)| *kept == number);
+        let textures = same.map(|(_, textures)| textures);
+        let meshes = (&sketch.stand_ins[..], sketch.is_rough);
+        let model = maker.sketch(&sketch.asset.drawable(), meshes, textures);
+        let model = model.map_err(|e| e.to_string())?;
+        self.textures = Some((number, model.textures()));
+        self.model = (!sketch.is_rough).then(|| model.clone());
+        Ok(model)
+    }
 }
 
 impl Studio {
@@ -45,8 +105,10 @@ impl Studio {
         self.seeds.stop();
         self.judging.stop();
         if self.document.reading().species.is_ok() {
-            self.sketch();
-            self.due = Some(Instant::now() + REST);
+            // A graphics card draws all of it in time.
+            let is_slow = self.view.is_software();
+            self.sketch(if is_slow { Haste::Great } else { Haste::None });
+            self.due = Some(Due::Fine(Instant::now() + SETTLED));
         } else {
             self.due = None;
         }
@@ -63,32 +125,89 @@ impl Studio {
         )
     }
 
-    fn sketch(&mut self) {
+    fn sketch(&mut self, haste: Haste) {
         let (name, text, folder) = self.script();
         let (maker, sketches) = (self.view.maker(), Arc::clone(&self.sketches));
-        self.sketcher.ask(Box::new(move |progress| {
+        self.asked_of_sketcher(haste == Haste::Some, move |progress| {
             let files = Beside(folder);
             let species = species::parse(&name, &text, &files).map_err(|f| f.render(false))?;
             let mut sketches = sketches.lock().unwrap_or_else(PoisonError::into_inner);
             let settings = pipeline::Settings::default();
-            let sketch = sketches.sketcher.sketch(&species, &settings, &files);
+            let sketch = sketches
+                .sketcher
+                .sketch_in(haste, &species, &settings, &files);
             let Some(sketch) = sketch.map_err(|e| e.to_string())? else {
                 return Ok(None);
             };
             if progress.cancelled() {
                 return Ok(None);
             }
-            let number = sketch.textures;
-            let same = sketches.textures.take().filter(|(kept, _)| *kept == number);
-            let model = maker.make(&sketch.asset.drawable(), same.map(|(_, textures)| textures));
+            let model = sketches.put(&maker, &sketch)?;
+            let kind = if sketch.is_rough {
+                Kind::Rough
+            } else {
+                Kind::Fine
+            };
+            Ok(Some(Arc::new(Grown::new(
+                (sketch.asset, text),
+                model,
+                kind,
+            ))))
+        });
+    }
+
+    /// Makes captures and shadows for the sketch that is shown, if it is at full detail and what the text says.
+    fn furnish(&mut self) {
+        let sketch = self
+            .shown
+            .clone()
+            .filter(|shown| shown.kind == Kind::Fine && shown.text == self.document.text());
+        let Some(sketch) = sketch else {
+            return;
+        };
+        let (name, text, folder) = self.script();
+        let (maker, sketches) = (self.view.maker(), Arc::clone(&self.sketches));
+        self.asked_of_sketcher(true, move |progress| {
+            let files = Beside(folder);
+            let species = species::parse(&name, &text, &files).map_err(|f| f.render(false))?;
+            let mut sketches = sketches.lock().unwrap_or_else(PoisonError::into_inner);
+            let (Some(asset), Some(model)) = (sketch.subject.asset(), sketches.model.take()) else {
+                return Ok(None);
+            };
+            let furnished =
+                sketches
+                    .sketcher
+                    .furnish(asset, &species, &first_pass(), &files, progress);
+            let furnished = furnished.or_else(|error| match error {
+                GenerateError::Bake(BakeError::AtlasTooSmall { .. }) => {
+                    let settings = pipeline::Settings::default();
+                    sketches
+                        .sketcher
+                        .furnish(asset, &species, &settings, &files, progress)
+                }
+                error => Err(error),
+            });
+            let furnished = furnished.map_err(|e| e.to_string())?;
+            let model = maker.shaded(&model, &furnished.shadows);
             let model = model.map_err(|e| e.to_string())?;
-            sketches.textures = Some((number, model.textures()));
-            Ok(Some(Arc::new(Grown {
-                subject: sketch.asset.into(),
-                text,
-                model: Mutex::new(Some(model)),
-            })))
-        }));
+            let grown = Grown::new((furnished, text), model, Kind::Furnished);
+            Ok(Some(Arc::new(grown)))
+        });
+    }
+
+    /// Gives the thread of sketches something to do. A hasty sketch that it is at is finished and shown: while a hand
+    /// moves on, there is always a newer one.
+    fn asked_of_sketcher(
+        &mut self,
+        is_slow: bool,
+        work: impl FnOnce(&dyn Progress) -> Result<Option<Arc<Grown>>, String> + Send + 'static,
+    ) {
+        let job = Box::new(work);
+        if std::mem::replace(&mut self.sketches_slowly, is_slow) {
+            self.sketcher.ask(job);
+        } else {
+            self.sketcher.follow(job);
+        }
     }
 
     fn grow(&mut self) {
@@ -110,6 +229,7 @@ impl Studio {
                 subject,
                 text,
                 model: Mutex::new(Some(model)),
+                kind: Kind::Whole,
             })
         }));
     }
@@ -127,14 +247,19 @@ impl Studio {
             && self
                 .shown
                 .as_ref()
-                .is_none_or(|shown| shown.text != sketch.text)
+                .is_none_or(|shown| shown.text != sketch.text || shown.kind < sketch.kind)
         {
+            if sketch.kind == Kind::Furnished {
+                self.furnished = Some(Arc::clone(&sketch));
+                self.furnishings += 1;
+            }
             self.show(sketch);
         }
         if self.grower.poll().good
             && let Some(grown) = self.grower.good().cloned()
         {
             self.grown = Some(Arc::clone(&grown));
+            self.furnished = None;
             self.number += 1;
             self.show(grown);
             // Its file may have changed before growing began to watch it.
@@ -173,26 +298,81 @@ impl Studio {
             .unwrap_or_else(PoisonError::into_inner)
             .take();
         if let Some(model) = model {
-            self.view.put(model);
+            let shown = self.shown.as_ref();
+            let is_finer = shown.is_some_and(|shown| shown.text == tree.text);
+            self.view.put(model, is_finer);
             self.shown = Some(tree);
             self.shows += 1;
             self.fault = None;
         }
     }
 
-    /// Grows the tree with all its LODs once no hand has changed it for a while.
+    /// True if the sketcher is at a tree that the view has not, or not at full detail.
+    pub(super) fn is_awaited(&self) -> bool {
+        let shown = self.shown.as_ref();
+        let is_rough = shown.is_some_and(|shown| shown.kind == Kind::Rough);
+        self.sketcher.stage().is_some() && (is_rough || !self.is_up_to_date())
+    }
+
+    /// Makes the tree finer, and at last whole, once no hand has changed it for a while.
     pub(super) fn rest(&mut self, ui: &Ui) {
         let Some(due) = self.due else {
             return;
         };
-        let left = due.saturating_duration_since(Instant::now());
+        if self.sketcher.stage().is_some() {
+            // It wakes the window when it is done.
+            return;
+        }
+        let left = due.at().saturating_duration_since(Instant::now());
         if !left.is_zero() {
-            ui.ctx().request_repaint_after(left);
-        } else if ui.input(|i| i.pointer.any_down()) {
-            self.due = Some(Instant::now() + REST);
-            ui.ctx().request_repaint_after(REST);
-        } else {
-            self.grow();
+            return ui.ctx().request_repaint_after(left);
+        }
+        let rough = |shown: &Arc<Grown>| shown.kind == Kind::Rough;
+        match due {
+            Due::Fine(at) => {
+                if self.shown.as_ref().is_some_and(rough) && self.is_up_to_date() {
+                    self.sketch(Haste::Some);
+                }
+                self.due = Some(Due::Furnished(at));
+            }
+            Due::Furnished(at) => {
+                self.furnish();
+                self.due = Some(Due::Whole(at + REST - SETTLED));
+            }
+            Due::Whole(_) if ui.input(|i| i.pointer.any_down()) => {
+                self.due = Some(Due::Whole(Instant::now() + REST));
+            }
+            Due::Whole(_) => return self.grow(),
+        }
+        ui.ctx().request_repaint();
+    }
+}
+
+/// How captures and shadows are made that are wanted soon: with a quarter of the texels, and half of the samples.
+fn first_pass() -> pipeline::Settings {
+    let whole = pipeline::Settings::default();
+    pipeline::Settings {
+        captures: capture::Settings {
+            atlas_size: whole.captures.atlas_size / 2,
+            ..whole.captures
+        },
+        shadows: shadow::Settings {
+            samples: whole.shadows.samples / 2,
+            ..whole.shadows
+        },
+        ..whole
+    }
+}
+
+impl Grown {
+    fn new((asset, text): (TreeAsset, String), sketch: Model, kind: Kind) -> Self {
+        let mut subject = Subject::from(asset);
+        subject.stand_ins = sketch.stand_ins.iter().map(|lod| lod.triangles).collect();
+        Self {
+            subject,
+            text,
+            model: Mutex::new(Some(sketch)),
+            kind,
         }
     }
 }

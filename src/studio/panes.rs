@@ -121,7 +121,11 @@ pub(super) struct Panes<'a> {
     pub(super) subject: Option<&'a Subject>,
     /// The last tree with all its LODs.
     pub(super) grown: Option<&'a Arc<Grown>>,
-    /// Its number.
+    /// A newer one that has captures and shadows alone.
+    pub(super) furnished: Option<&'a Arc<Grown>>,
+    /// How many of those there were.
+    pub(super) furnishings: u64,
+    /// The whole one's number.
     pub(super) number: u64,
     pub(super) pictures: &'a mut Pictures,
     pub(super) closeups: &'a mut Closeups,
@@ -474,14 +478,18 @@ impl Panes<'_> {
         }
     }
 
-    /// Shows something of the last tree that has all of it.
+    /// Shows something of the last tree that has captures and shadows.
     fn asset(
         &mut self,
         ui: &mut Ui,
         show: impl FnOnce(&mut Pictures, &mut Ui, (u64, &TreeAsset), Sun),
     ) {
-        match self.grown.and_then(|grown| grown.subject.asset()) {
-            Some(tree) => show(self.pictures, ui, (self.number, tree), self.settings.sun),
+        let tree = self.furnished.or(self.grown);
+        match tree.and_then(|tree| tree.subject.asset()) {
+            Some(tree) => {
+                let number = self.number + self.furnishings;
+                show(self.pictures, ui, (number, tree), self.settings.sun);
+            }
             None => {
                 ui.weak("no tree yet");
             }

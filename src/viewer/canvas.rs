@@ -38,9 +38,11 @@ pub(super) enum Side {
 struct Sheet {
     picture: Option<Picture>,
     drawn: Option<(Scene, Woods, [u32; 2])>,
+    /// True if a finer tree has come than the one that it shows; a picture that is wanted soon need not show it.
+    is_rough: bool,
 }
 
-/// How the trees of a forest are to be drawn.
+/// How the trees of a forest are to be drawn, and whether soon.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Woods {
     /// Their LOD; by distance if `None`.
@@ -51,6 +53,8 @@ pub(super) struct Woods {
     pub(super) fade: f32,
     /// Seconds since the frame before.
     pub(super) seconds: f32,
+    /// True if the picture is wanted soon.
+    pub(super) hurried: bool,
 }
 
 #[derive(Debug)]
@@ -69,9 +73,10 @@ impl std::fmt::Debug for Window {
 }
 
 impl Woods {
-    /// True if the same trees are drawn with the same LODs.
+    /// True if the same trees are drawn with the same LODs, not later but better.
     fn is_as(&self, other: &Self) -> bool {
-        (self.lod, self.coarser) == (other.lod, other.coarser)
+        let is_as_good = other.hurried || !self.hurried;
+        (self.lod, self.coarser) == (other.lod, other.coarser) && is_as_good
     }
 }
 
@@ -112,16 +117,41 @@ impl Canvas {
         self.renderer.maker()
     }
 
-    /// Shows this tree from now on.
-    pub(super) fn put(&mut self, model: Model) {
+    /// Shows this tree from now on. If it is what is shown, only finer, it is shown once there is time.
+    pub(super) fn put(&mut self, model: Model, is_finer: bool) {
         self.renderer.put(0, model);
-        self.forget();
+        if is_finer {
+            self.sheets
+                .iter_mut()
+                .for_each(|sheet| sheet.is_rough = true);
+            self.forest = None;
+        } else {
+            self.forget();
+        }
     }
 
-    /// How many LODs the tree has that is shown, and the triangles of its finest one.
+    /// True if a processor draws.
+    pub(super) fn is_software(&self) -> bool {
+        self.renderer.gpu().is_software()
+    }
+
+    /// How many LODs the tree has that is shown, and the triangles of what it is drawn with in a hurry.
     pub(super) fn finest(&self) -> Option<(usize, u64)> {
         let model = self.renderer.models().first()?;
-        Some((model.lods.len(), model.lods.first()?.triangles))
+        let lod = model.stand_ins.first().or(model.lods.first())?;
+        Some((model.lods.len(), lod.triangles))
+    }
+
+    /// True if the tree that is shown stands in for a finer one.
+    pub(super) fn is_rough(&self) -> bool {
+        let model = self.renderer.models().first();
+        model.is_some_and(|m| m.is_rough)
+    }
+
+    /// True if there is something to stand in for the tree.
+    pub(super) fn is_sketch(&self) -> bool {
+        let model = self.renderer.models().first();
+        model.is_some_and(|m| !m.stand_ins.is_empty())
     }
 
     /// Everything is to be drawn anew.
@@ -178,12 +208,14 @@ impl Canvas {
         };
         let planted = trees.is_empty() || self.forest.as_ref().is_some_and(|(t, _)| t == trees);
         let drawn = self.sheets[side as usize].drawn.as_ref();
-        if size.contains(&0) || planted && drawn.is_some_and(same) {
+        let is_good = !self.sheets[side as usize].is_rough || woods.hurried;
+        if size.contains(&0) || planted && is_good && drawn.is_some_and(same) {
             return Ok(None);
         }
         let begun = Instant::now();
         let view = self.target(side, size);
         self.plant(trees, woods)?;
+        self.renderer.hurry(woods.hurried);
         let encoder = match &mut self.forest {
             Some((_, forest)) => self.renderer.draw_forest(forest, scene, &view, size),
             None => self.renderer.draw(scene, &view, size),
@@ -192,7 +224,8 @@ impl Canvas {
         // To be told how long it took, and so that no more than one frame waits to be drawn: the answer to a
         // drag would lag behind.
         self.renderer.gpu().finish()?;
-        self.sheets[side as usize].drawn = Some((scene.clone(), woods, size));
+        let sheet = &mut self.sheets[side as usize];
+        (sheet.drawn, sheet.is_rough) = (Some((scene.clone(), woods, size)), false);
         Ok(Some(begun.elapsed().as_secs_f32()))
     }
 
@@ -242,6 +275,7 @@ impl Canvas {
         size: [u32; 2],
     ) -> Result<Image<[u8; 4]>, ForestError> {
         self.plant(trees, woods)?;
+        self.renderer.hurry(false);
         let picture = match &mut self.forest {
             Some((_, forest)) => self.renderer.picture_of_forest(forest, scene, size),
             None => self.renderer.picture(scene, size),

@@ -28,6 +28,8 @@ pub struct Loader<T> {
     news: Receiver<News<T>>,
     /// Number of the newest piece asked for.
     asked: u64,
+    /// Number of the oldest piece whose result still counts.
+    counts: u64,
     busy: bool,
     fault: Option<String>,
     good: Option<Arc<T>>,
@@ -92,6 +94,7 @@ impl<T: Send + 'static> Loader<T> {
             shared,
             news,
             asked: 0,
+            counts: 0,
             busy: false,
             fault: None,
             good: None,
@@ -100,24 +103,33 @@ impl<T: Send + 'static> Loader<T> {
 
     /// Asks for a piece of work; all that were asked for before are overtaken.
     pub fn ask(&mut self, job: Job<T>) {
+        self.counts = self.asked + 1;
+        self.cancel();
+        self.follow(job);
+    }
+
+    /// Asks for a piece of work, which takes the place of those that wait. The one that is being done is finished,
+    /// and its result counts until this one's is there: where pieces are asked for faster than they are done, some
+    /// of them are seen.
+    pub fn follow(&mut self, job: Job<T>) {
         self.asked += 1;
         self.busy = true;
-        let mut next = lock(&self.shared.next);
-        if let Some(running) = &next.running {
-            running.store(true, Ordering::Relaxed);
-        }
-        next.job = Some((self.asked, job, Arc::new(AtomicBool::new(false))));
-        drop(next);
+        lock(&self.shared.next).job = Some((self.asked, job, Arc::new(AtomicBool::new(false))));
         self.shared.some.notify_one();
     }
 
     /// Lets go of what is being done and of what was asked for; the last good result stays.
     pub fn stop(&mut self) {
         self.asked += 1;
+        self.counts = self.asked;
         self.busy = false;
-        let mut next = lock(&self.shared.next);
-        next.job = None;
-        if let Some(running) = &next.running {
+        lock(&self.shared.next).job = None;
+        self.cancel();
+    }
+
+    /// Tells the piece that is being done to give up.
+    fn cancel(&self) {
+        if let Some(running) = &lock(&self.shared.next).running {
             running.store(true, Ordering::Relaxed);
         }
     }
@@ -126,10 +138,11 @@ impl<T: Send + 'static> Loader<T> {
     pub fn poll(&mut self) -> Polled {
         let mut polled = Polled::default();
         while let Ok(News { number, result }) = self.news.try_recv() {
-            if number != self.asked {
+            if number < self.counts {
                 continue;
             }
-            self.busy = false;
+            self.counts = number;
+            self.busy &= number != self.asked;
             polled.changed = true;
             match result {
                 Ok(good) => {
@@ -341,6 +354,33 @@ mod tests {
         loader.ask(Box::new(|_| Ok(3)));
         settled(&mut loader);
         assert_eq!(loader.good().map(|g| **g), Some(3));
+    }
+
+    #[test]
+    fn what_is_followed_is_finished_and_what_waited_in_between_is_not_begun() {
+        let mut loader = loader();
+        let (began, has_begun) = channel();
+        let (go, may_go) = channel();
+        loader.ask(Box::new(move |progress| {
+            let _ = began.send(());
+            let _ = may_go.recv_timeout(Duration::from_secs(20));
+            Ok(u32::from(progress.cancelled()) + 10)
+        }));
+        has_begun.recv_timeout(Duration::from_secs(20)).unwrap();
+        loader.follow(Box::new(|_| Ok(1)));
+        let (go_on, may_go_on) = channel();
+        loader.follow(Box::new(move |_| {
+            let _ = may_go_on.recv_timeout(Duration::from_secs(20));
+            Ok(2)
+        }));
+        go.send(()).unwrap();
+        settled(&mut loader);
+        assert_eq!(loader.good().map(|g| **g), Some(10));
+        assert!(loader.stage().is_some(), "the next one is still to come");
+        go_on.send(()).unwrap();
+        settled(&mut loader);
+        assert_eq!(loader.good().map(|g| **g), Some(2));
+        assert_eq!(loader.stage(), None);
     }
 
     #[test]

@@ -5,9 +5,9 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-/// Seconds that drawing may take while something moves: with what the window itself needs, some 12 frames a
+/// Seconds that drawing may take while something moves: with what the window itself needs, at least 10 frames a
 /// second.
-pub const GOAL: f32 = 0.06;
+pub const GOAL: f32 = 0.04;
 
 /// Parts of the window's pixels along an edge, from the finest.
 const FACTORS: [f32; 6] = [1.0, 0.75, 0.5, 0.375, 0.3, 0.25];
@@ -72,21 +72,26 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// How fine the next picture may be. `most` is how much coarser LODs may get.
+    /// How fine the next picture may be. LODs may get from `least` to `most` coarser.
     ///
     /// A picture at rest that is finer than that already stays.
-    pub fn quality(&mut self, moving: bool, most: usize, drawn: Quality) -> Quality {
+    pub fn quality(
+        &mut self,
+        moving: bool,
+        (least, most): (usize, usize),
+        drawn: Quality,
+    ) -> Quality {
         if self.known.is_empty() {
             // A first look, by which the rest is judged: a forest may take a quarter of a minute in full.
-            self.now = (if moving { most } else { 0 }, FACTORS.len() - 1);
+            self.now = (if moving { most } else { least }, FACTORS.len() - 1);
             return quality_of(self.now);
         }
         if !moving {
-            let resting = self.at_rest();
-            let finer = drawn.coarser == 0 && drawn.factor > resting.factor;
+            let resting = self.at_rest(least);
+            let finer = drawn.coarser == least && drawn.factor > resting.factor;
             return if finer { drawn } else { resting };
         }
-        self.now.0 = self.now.0.min(most);
+        self.now.0 = self.now.0.clamp(least, most);
         let (coarser, step) = self.now;
         if self
             .known
@@ -97,24 +102,24 @@ impl Pace {
             self.known.retain(|&(c, s), _| c != coarser || s >= step);
         }
         if self.predicted(self.now) > GOAL * ENDURED || self.now.1 > 0 || self.now.0 > 0 {
-            self.now = self.best(most);
+            self.now = self.best(least, most);
         }
         quality_of(self.now)
     }
 
-    /// The finest, without LODs coarser than they would be, for which a person waits.
-    fn at_rest(&self) -> Quality {
+    /// The finest, without LODs coarser than they must be, for which a person waits.
+    fn at_rest(&self, least: usize) -> Quality {
         let steps = 0..FACTORS.len();
-        let borne = |step: &usize| self.predicted((0, *step)) <= BORNE;
-        quality_of((0, steps.clone().find(borne).unwrap_or(steps.end - 1)))
+        let borne = |step: &usize| self.predicted((least, *step)) <= BORNE;
+        quality_of((least, steps.clone().find(borne).unwrap_or(steps.end - 1)))
     }
 
     /// The finest that is quick enough.
-    fn best(&self, most: usize) -> Key {
-        for coarser in 0..=most {
+    fn best(&self, least: usize, most: usize) -> Key {
+        for coarser in least..=most {
             // Below half the pixels along an edge, a coarser LOD is the smaller loss; above, it is the larger one.
-            let first = if coarser == 0 { 0 } else { HALF };
-            let end = if coarser == 0 && most > 0 {
+            let first = if coarser == least { 0 } else { HALF };
+            let end = if coarser == least && most > least {
                 HALF + 1
             } else {
                 FACTORS.len()
@@ -236,12 +241,12 @@ mod tests {
         let mut quality = Quality::FULL;
         let mut changes = 0;
         for frame in 0..60 {
-            let next = pace.quality(true, most, Quality::FULL);
+            let next = pace.quality(true, (0, most), Quality::FULL);
             changes += usize::from(frame > 20 && next != quality);
             quality = next;
             pace.observe(quality, cost(quality));
         }
-        assert_eq!(pace.quality(false, most, Quality::FULL), Quality::FULL);
+        assert_eq!(pace.quality(false, (0, most), Quality::FULL), Quality::FULL);
         (quality, cost(quality), changes)
     }
 
@@ -275,21 +280,21 @@ mod tests {
     #[test]
     fn a_picture_that_nobody_would_wait_for_is_not_drawn_even_at_rest() {
         let mut pace = Pace::default();
-        let first = pace.quality(false, 2, Quality::FULL);
+        let first = pace.quality(false, (0, 2), Quality::FULL);
         assert_eq!(
             (first.factor, first.coarser),
             (FACTORS[FACTORS.len() - 1], 0)
         );
         pace.observe(first, 1.2);
         // A quarter of a minute in full.
-        let resting = pace.quality(false, 2, first);
+        let resting = pace.quality(false, (0, 2), first);
         assert!(resting.factor < 0.5, "{resting:?}");
         pace.forget();
         pace.observe(first, 0.002);
-        assert_eq!(pace.quality(false, 2, first), Quality::FULL);
+        assert_eq!(pace.quality(false, (0, 2), first), Quality::FULL);
         // What is there already stays, though it took long.
         pace.observe(Quality::FULL, 9.0);
-        assert_eq!(pace.quality(false, 2, Quality::FULL), Quality::FULL);
+        assert_eq!(pace.quality(false, (0, 2), Quality::FULL), Quality::FULL);
     }
 
     #[test]
@@ -303,15 +308,15 @@ mod tests {
     fn what_gets_quicker_gets_finer() {
         let mut pace = Pace::default();
         for _ in 0..20 {
-            let quality = pace.quality(true, 0, Quality::FULL);
+            let quality = pace.quality(true, (0, 0), Quality::FULL);
             pace.observe(quality, 0.4 * quality.factor * quality.factor);
         }
-        assert!(pace.quality(true, 0, Quality::FULL).factor < 0.5);
+        assert!(pace.quality(true, (0, 0), Quality::FULL).factor < 0.5);
         for _ in 0..60 {
-            let quality = pace.quality(true, 0, Quality::FULL);
-            pace.observe(quality, 0.04 * quality.factor * quality.factor);
+            let quality = pace.quality(true, (0, 0), Quality::FULL);
+            pace.observe(quality, 0.025 * quality.factor * quality.factor);
         }
-        assert_eq!(pace.quality(true, 0, Quality::FULL).factor, 1.0);
+        assert_eq!(pace.quality(true, (0, 0), Quality::FULL).factor, 1.0);
     }
 
     #[test]

@@ -46,14 +46,20 @@ pub struct Stage {
 pub struct Cast<'a> {
     /// Its LODs.
     pub lods: &'a [LodFacts],
+    /// Triangles of what stands in for the finest LOD while something moves, falling.
+    pub stand_ins: &'a [u64],
     /// Its bounds, metres.
     pub bounds: Bounds,
 }
 
 impl Cast<'_> {
-    /// The coarsest LOD that stands in for a finer one while something moves.
+    /// The coarsest LOD that stands in for a finer one while something moves. What is made for that alone comes
+    /// after the coarsest LOD.
     #[must_use]
     pub fn coarsest_in_a_hurry(&self) -> usize {
+        if !self.stand_ins.is_empty() {
+            return self.lods.len() + self.stand_ins.len() - 1;
+        }
         let fine = |lod: &LodFacts| lod.triangles >= HURRIED;
         self.lods.iter().rposition(fine).unwrap_or(0)
     }
@@ -78,7 +84,8 @@ impl Stage {
     ) -> (Scene, Shown) {
         self.arrange(cast, settings);
         let count = cast.lods.len().max(1);
-        let mut groups: Vec<Group> = (0..count)
+        let all = count + cast.stand_ins.len();
+        let mut groups: Vec<Group> = (0..all)
             .map(|lod| Group {
                 model: 0,
                 lod,
@@ -106,11 +113,14 @@ impl Stage {
             if index == 0 {
                 (shown.lod, shown.part) = (lod, part);
             }
-            groups[lod.min(count - 1)].trees.push(*tree);
+            groups[lod.min(all - 1)].trees.push(*tree);
         }
         shown.trees = groups.iter().map(|g| g.trees.len()).collect();
-        let triangles = |(lod, &trees): (&LodFacts, &usize)| lod.triangles * trees as u64;
-        shown.triangles = cast.lods.iter().zip(&shown.trees).map(triangles).sum();
+        let lods = cast.lods.iter().map(|lod| lod.triangles);
+        let triangles = lods.chain(cast.stand_ins.iter().copied());
+        let of_lod = |(triangles, &trees): (u64, &usize)| triangles * trees as u64;
+        shown.triangles = triangles.zip(&shown.trees).map(of_lod).sum();
+        shown.trees.truncate(count);
         groups.retain(|group| !group.trees.is_empty());
         let scene = Scene {
             camera,
@@ -235,6 +245,7 @@ mod tests {
         let lods = lods();
         let cast = Cast {
             lods: &lods,
+            stand_ins: &[],
             bounds: BOUNDS,
         };
         stage.scene(&cast, settings, camera(away), coarser).1
@@ -282,6 +293,26 @@ mod tests {
     }
 
     #[test]
+    fn a_sketch_is_stood_in_for_in_a_hurry_alone() {
+        let (mut stage, settings) = (Stage::default(), Settings::default());
+        let lods = &lods()[..1];
+        let cast = Cast {
+            lods,
+            stand_ins: &[20_000, 5_000],
+            bounds: BOUNDS,
+        };
+        assert_eq!(cast.coarsest_in_a_hurry(), 2);
+        let mut triangles = |away, coarser| {
+            let (scene, shown) = stage.scene(&cast, &settings, camera(away), coarser);
+            (scene.groups[0].lod, shown.triangles)
+        };
+        assert_eq!(triangles(8.0, 0), (0, 100_000));
+        assert_eq!(triangles(8.0, 1), (1, 20_000));
+        assert_eq!(triangles(8.0, 7), (2, 5_000));
+        assert_eq!(triangles(5_000.0, 0), (0, 100_000));
+    }
+
+    #[test]
     fn a_strip_has_every_lod_once_from_left_to_right() {
         let settings = Settings {
             arrangement: Arrangement::Strip,
@@ -290,6 +321,7 @@ mod tests {
         let lods = lods();
         let cast = Cast {
             lods: &lods,
+            stand_ins: &[],
             bounds: BOUNDS,
         };
         let mut stage = Stage::default();
@@ -311,6 +343,7 @@ mod tests {
         let lods = lods();
         let cast = Cast {
             lods: &lods,
+            stand_ins: &[],
             bounds: BOUNDS,
         };
         let mut stage = Stage::default();

@@ -71,6 +71,8 @@ pub struct Subject {
     pub seed: u64,
     /// LODs from the finest to the coarsest, at least one.
     pub lods: Vec<LodFacts>,
+    /// Triangles of what stands in for the finest LOD while something moves, falling; a sketch has some.
+    pub stand_ins: Vec<u64>,
     /// Bounds of all LODs, metres.
     pub bounds: Bounds,
     /// What the user should know.
@@ -138,6 +140,7 @@ impl From<TreeAsset> for Subject {
             slug: asset.slug.clone(),
             seed: asset.seed,
             lods: facts.collect(),
+            stand_ins: Vec::new(),
             bounds: asset.bounds,
             warnings: asset.warnings.iter().map(ToString::to_string).collect(),
             tree: Tree::Asset(Box::new(asset)),
@@ -159,6 +162,7 @@ impl From<PackContents> for Subject {
             slug: manifest.species.slug.clone(),
             seed: manifest.seed,
             lods: facts.collect(),
+            stand_ins: Vec::new(),
             bounds: Bounds {
                 min: manifest.bounds.min.into(),
                 max: manifest.bounds.max.into(),

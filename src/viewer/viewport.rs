@@ -63,10 +63,16 @@ pub struct Viewport {
     last: Option<(Rig, Settings, [u32; 2])>,
     /// True if another tree has come since the frame before, which counts as a move.
     arrived: bool,
+    /// True while a better tree than the one that is shown is about to come.
+    awaits: bool,
     /// When something moved last, seconds of the window's clock; none if it never did.
     moved: Option<f64>,
     /// When the frame before was begun, if something moved then.
     before: Option<f64>,
+    /// How long pictures of sketches take while there is a whole tree, and the other way round.
+    other_pace: Pace,
+    /// What the last whole tree and the last sketch had of LODs, and of triangles in a hurry.
+    finest: [Option<(usize, u64)>; 2],
 }
 
 type Costly = (Arrangement, Choice, bool);
@@ -91,8 +97,11 @@ impl Viewport {
             unframed: true,
             last: None,
             arrived: false,
+            awaits: false,
             moved: None,
             before: None,
+            other_pace: Pace::default(),
+            finest: [None; 2],
         })
     }
 
@@ -119,21 +128,35 @@ impl Viewport {
         self.canvas.maker()
     }
 
-    /// Shows a tree that such a thread has put on the device; the camera stays, but for the first tree.
-    pub fn put(&mut self, model: Model) {
-        let before = self.canvas.finest();
-        self.canvas.put(model);
+    /// Shows a tree that such a thread has put on the device; the camera stays, but for the first tree. If it is the
+    /// tree that is shown, only finer, there is no haste.
+    pub fn put(&mut self, model: Model, is_finer: bool) {
+        let was_sketch = self.canvas.is_sketch();
+        self.canvas.put(model, is_finer);
+        let (now, is_sketch) = (self.canvas.finest(), self.canvas.is_sketch());
+        if is_sketch != was_sketch {
+            std::mem::swap(&mut self.pace, &mut self.other_pace);
+        }
         // One edit after another changes little of how long a picture takes.
         let alike = |(lods, triangles): (usize, u64), (count, now): (usize, u64)| {
             lods == count && now.max(triangles) <= now.min(triangles).saturating_mul(3) / 2
         };
-        if !before
-            .zip(self.canvas.finest())
-            .is_some_and(|(a, b)| alike(a, b))
-        {
+        let before = std::mem::replace(&mut self.finest[usize::from(is_sketch)], now);
+        if !before.zip(now).is_some_and(|(a, b)| alike(a, b)) {
             self.pace.forget();
         }
-        self.arrived = true;
+        self.arrived |= !is_finer;
+    }
+
+    /// Whether another tree than the one that is shown is about to come: this one is then not worth a picture in full.
+    pub fn await_tree(&mut self, awaits: bool) {
+        self.awaits = awaits;
+    }
+
+    /// True if a processor draws, which takes its time.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.canvas.is_software()
     }
 
     /// Frames the tree that comes next, as it does the first one.
@@ -325,7 +348,7 @@ impl Viewport {
     fn draw(&mut self, ui: &Ui, settings: &Settings, subject: &Subject) -> Result<(), ForestError> {
         let now = ui.input(|i| i.time);
         let moves = self.moves(settings);
-        if moves {
+        if moves || self.awaits {
             self.moved = Some(now);
         }
         let resting = self.moved.map_or(f64::MAX, |moved| now - moved);
@@ -348,7 +371,8 @@ impl Viewport {
         } else if hurried && !moves {
             self.quality
         } else {
-            self.pace.quality(hurried, most, self.quality)
+            let least = usize::from(self.canvas.is_rough()).min(most);
+            self.pace.quality(hurried, (least, most), self.quality)
         };
         let cast = cast(subject);
         let camera = self.rig.camera();
@@ -360,7 +384,10 @@ impl Viewport {
             0.0
         };
         let trees = self.stage.forest(&cast, settings);
-        let woods = woods(settings, wanted.coarser, seconds);
+        let woods = Woods {
+            hurried: hurried && self.canvas.is_software(),
+            ..woods(settings, wanted.coarser, seconds)
+        };
         let mut drawn = self.canvas.draw(Side::Main, &scene, (trees, woods), size)?;
         if two {
             let finest = split::finest(&scene);
@@ -407,6 +434,7 @@ impl Viewport {
 fn cast(subject: &Subject) -> Cast<'_> {
     Cast {
         lods: &subject.lods,
+        stand_ins: &subject.stand_ins,
         bounds: subject.bounds,
     }
 }
@@ -422,6 +450,7 @@ fn woods(settings: &Settings, coarser: usize, seconds: f32) -> Woods {
         coarser,
         fade: if seconds > 0.0 { FADE } else { 0.0 },
         seconds,
+        hurried: false,
     }
 }
 

@@ -7,8 +7,9 @@ use crate::math::{Bounds, Vec3};
 use crate::render::binding;
 use crate::render::drawing::light_projection;
 use crate::render::pipelines::ForestPipelines;
-use crate::render::renderer::{Renderer, SHADOW_MAP};
+use crate::render::renderer::Renderer;
 use crate::render::scene::{Scene, ViewMode};
+use crate::render::sun_map::SHADOW_MAP;
 use crate::render::uniforms::Frame;
 
 use core::sync::atomic::Ordering;
