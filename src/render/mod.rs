@@ -26,5 +26,7 @@ pub mod uniforms;
 pub use camera::{Camera, Lens, Orbit};
 pub use model::{Lod, Maker, Model, Textures};
 pub use renderer::{PORTRAIT, Renderer};
-pub use scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
+pub use scene::{
+    CALM, Filter, Group, LEVEL_COLOURS, LightMode, Scene, Setting, ViewMode, level_colour,
+};
 pub use uniforms::Instance;
