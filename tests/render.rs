@@ -723,7 +723,7 @@ fn levels() -> Outcome {
         let seen = counts.iter().sum::<usize>();
         // Pixels of two levels are mixed of both.
         let drawn = counts.iter().filter(|&&count| count > 20).count();
-        if others * 4 > seen || drawn == 0 || (lod == 0 && drawn < 3) {
+        if others > seen || drawn == 0 || (lod == 0 && drawn < 3) {
             return Err(told.into());
         }
     }
