@@ -44,6 +44,7 @@ const VIEW_NORMALS: u32 = 2u;
 const VIEW_ALBEDO: u32 = 3u;
 const VIEW_OVERDRAW: u32 = 4u;
 const VIEW_WIRE: u32 = 5u;
+const VIEW_LEVELS: u32 = 6u;
 
 // In the shadow map leaves are turned to face the sun (Candussi et al., section 2.1).
 const FLAG_LEAVES_FACE_SUN: u32 = 1u;

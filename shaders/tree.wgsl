@@ -40,6 +40,8 @@ struct Vertex {
     @location(5) leaf: vec4<f32>,
     // Factor on the texture's colour.
     @location(10) tint: vec4<f32>,
+    // The script's level that it belongs to, or `NO_LEVEL`.
+    @location(11) level: u32,
 }
 
 struct Instance {
@@ -65,7 +67,8 @@ struct Varyings {
     // another part of the atlas.
     @location(4) @interpolate(perspective, centroid) uv: vec2<f32>,
     @location(5) @interpolate(flat) turn: vec4<f32>,
-    @location(6) tint: vec3<f32>,
+    // Factor on the colour, and the level: all corners of a triangle have the same.
+    @location(6) tint: vec4<f32>,
     @location(7) @interpolate(flat) marks: vec4<f32>,
     // The same at the middle of the pixel, for its derivatives.
     @location(8) uv_middle: vec2<f32>,
@@ -134,7 +137,7 @@ fn tree_drawn(vertex: Vertex, instance: Instance) -> Varyings {
     out.uv = vertex.uv;
     out.uv_middle = vertex.uv;
     out.turn = instance.turn;
-    out.tint = instance.tint.rgb * vertex.tint.rgb;
+    out.tint = vec4<f32>(instance.tint.rgb * vertex.tint.rgb, f32(vertex.level));
     out.marks = instance.marks;
     let shares = nine_shares(turned_back(frame.sun.xyz, instance.turn.xy));
     out.first_shares = shares.first;
@@ -249,7 +252,7 @@ fn lit_colour(in: Varyings, over: Footprint, albedo: vec3<f32>, mapped: vec3<f32
         shadow = shadow_map_at(in.world, normalize(in.normal));
     }
     var s: Surface;
-    s.albedo = albedo * in.tint;
+    s.albedo = albedo * in.tint.rgb;
     s.normal = normalize(mix(mapped, outward, frame.sky_light.w * foliage));
     s.outward = outward;
     s.roughness = orm.y;
@@ -286,6 +289,29 @@ fn lod_colour(lod: f32) -> vec3<f32> {
         + vec3<f32>(-1.0, 2.0, 2.0));
 }
 
+const NO_LEVEL: u32 = 255u;
+
+// As in `src/render/scene.rs`, linear.
+const LEVEL_COLOURS = array<vec3<f32>, 8>(
+    vec3<f32>(0.6724, 0.2086, 0.0252),
+    vec3<f32>(0.0931, 0.3813, 0.8070),
+    vec3<f32>(0.8714, 0.6867, 0.0723),
+    vec3<f32>(0.3419, 0.0887, 0.5520),
+    vec3<f32>(0.1070, 0.5149, 0.1070),
+    vec3<f32>(0.6867, 0.0648, 0.0762),
+    vec3<f32>(0.0513, 0.5520, 0.4910),
+    vec3<f32>(0.8550, 0.2874, 0.5149),
+);
+
+// A colour for each level, and grey for what is of none.
+fn level_colour(level: u32) -> vec3<f32> {
+    if level == NO_LEVEL {
+        return vec3<f32>(0.25);
+    }
+    var colours = LEVEL_COLOURS;
+    return colours[level % 8u];
+}
+
 fn viewed(in: Varyings, over: Footprint, albedo: vec3<f32>, front: bool, foliage: f32) -> vec3<f32> {
     let mapped = mapped_normal(in, over, front);
     let lit = lit_colour(in, over, albedo, mapped, foliage);
@@ -293,6 +319,12 @@ fn viewed(in: Varyings, over: Footprint, albedo: vec3<f32>, front: bool, foliage
         case VIEW_LOD: {
             let grey = dot(lit, vec3<f32>(0.2126, 0.7152, 0.0722));
             return lod_colour(in.marks.x) * (0.35 + 2.5 * grey);
+        }
+        case VIEW_LEVELS: {
+            // By the light that is there, not by how light the texture is: nothing is brighter than its colour.
+            let grey = vec3<f32>(0.2126, 0.7152, 0.0722);
+            let bright = dot(lit, grey) / max(dot(albedo * in.tint.rgb, grey), 0.02);
+            return level_colour(u32(in.tint.w + 0.5)) * (0.4 + 0.6 * min(bright, 1.0));
         }
         case VIEW_NORMALS: {
             return (mapped * 0.5 + 0.5) * 0.8;

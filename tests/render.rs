@@ -11,14 +11,16 @@ use pleach::asset::TreeAsset;
 use pleach::gpu::{Gpu, GpuError};
 use pleach::image::{Image, png};
 use pleach::math::{Vec3, round_to_u32};
-use pleach::render::{Filter, Instance, LightMode, Orbit, PORTRAIT, Renderer, Scene, ViewMode};
+use pleach::render::{
+    Filter, Instance, LightMode, Orbit, PORTRAIT, Renderer, Scene, ViewMode, level_colour,
+};
 use pleach::wind::{self, Rig, Wind};
 use pleach::{capture, shadow};
 use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let tests: [Test; 19] = [
+    let tests: [Test; 20] = [
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
         (
             "a_scene_after_others_is_drawn_as_if_it_came_first",
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
             four_factors,
         ),
         ("every_view_shows_the_tree", views),
+        ("every_level_has_its_colour_in_every_lod", levels),
         ("a_window_without_height_draws_nothing", no_height),
         (
             "what_the_adapter_cannot_take_is_refused_in_words",
@@ -656,6 +659,7 @@ fn views() -> Outcome {
     for view in [
         ViewMode::Lit,
         ViewMode::Lods,
+        ViewMode::Levels,
         ViewMode::Normals,
         ViewMode::Albedo,
         ViewMode::Overdraw,
@@ -671,6 +675,81 @@ fn views() -> Outcome {
         seen.push(picture);
     }
     Ok(())
+}
+
+/// Hue of a colour, degrees; none for greys.
+fn hue(colour: [u8; 3]) -> Option<f32> {
+    let [r, g, b] = colour.map(pleach::math::linear_from_srgb);
+    let (high, low) = (r.max(g).max(b), r.min(g).min(b));
+    let spread = high - low;
+    let turn = match high {
+        _ if spread < 0.2 * high => return None,
+        h if h == r => (g - b) / spread,
+        h if h == g => 2.0 + (b - r) / spread,
+        _ => 4.0 + (r - g) / spread,
+    };
+    Some((turn * 60.0).rem_euclid(360.0))
+}
+
+/// Pixels of a picture by the level whose hue they have, and those that have none of them.
+fn by_level(picture: &Image<[u8; 4]>, levels: usize) -> (Vec<usize>, usize) {
+    let (mut counts, mut others) = (vec![0; levels], 0);
+    for &[r, g, b, a] in picture.texels() {
+        if a < 255 {
+            continue;
+        }
+        let away = |level: &usize| -> Option<f32> {
+            let turn = (hue([r, g, b])? - hue(level_colour(*level))?).rem_euclid(360.0);
+            Some(turn.min(360.0 - turn))
+        };
+        match (0..levels).find(|level| away(level).is_some_and(|away| away < 9.0)) {
+            Some(level) => counts[level] += 1,
+            None => others += 1,
+        }
+    }
+    (counts, others)
+}
+
+fn levels() -> Outcome {
+    let mut renderer = renderer(palm())?;
+    let levels = palm().tree.levels.len();
+    for lod in 0..palm().lods.len() {
+        let mut scene = scene(&renderer, lod);
+        scene.setting.backdrop = false;
+        scene.view = ViewMode::Levels;
+        let (counts, others) = by_level(&renderer.picture(&scene, SIZE)?, levels);
+        let told = format!("LOD {lod}: {counts:?}, {others} of no level");
+        println!("{told}");
+        let seen = counts.iter().sum::<usize>();
+        // Pixels of two levels are mixed of both.
+        let drawn = counts.iter().filter(|&&count| count > 20).count();
+        if others > seen || drawn == 0 || (lod == 0 && drawn < 3) {
+            return Err(told.into());
+        }
+    }
+    // A pack does not tell levels.
+    let mut meshes: Vec<(pleach::mesh::Mesh, f32)> = Vec::new();
+    for lod in &palm().lods {
+        let mut mesh = lod.mesh.clone();
+        mesh.bark.levels.clear();
+        mesh.foliage.levels.clear();
+        meshes.push((mesh, lod.screen_size));
+    }
+    renderer.replace(
+        0,
+        &pleach::asset::Drawable {
+            lods: meshes.iter().map(|(mesh, size)| (mesh, *size)).collect(),
+            ..palm().drawable()
+        },
+    )?;
+    let mut scene = scene(&renderer, 0);
+    scene.setting.backdrop = false;
+    scene.view = ViewMode::Levels;
+    let (counts, others) = by_level(&renderer.picture(&scene, SIZE)?, levels);
+    if others > 1_000 && counts.iter().sum::<usize>() == 0 {
+        return Ok(());
+    }
+    Err(format!("without levels: {counts:?}, {others} of no level").into())
 }
 
 fn no_height() -> Outcome {

@@ -6,6 +6,8 @@ use core::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use pleach::gpu::shader::{self, Source};
 use pleach::gpu_bake::layout;
+use pleach::math::linear_from_srgb;
+use pleach::render::LEVEL_COLOURS;
 use pleach::render::forest::{Cull, ForestTree, Kind};
 use pleach::render::uniforms::{Frame, Model};
 use pleach::shadow;
@@ -90,6 +92,39 @@ fn structs_lie_in_memory_as_the_shaders_read_them() {
             "{}",
             source.name
         );
+    }
+}
+
+/// The numbers of a constant that is an array of vectors.
+fn table(source: &Source, name: &str) -> Vec<f32> {
+    fn gather(module: &naga::Module, at: naga::Handle<naga::Expression>, into: &mut Vec<f32>) {
+        match &module.global_expressions[at] {
+            naga::Expression::Compose { components, .. } => {
+                components.iter().for_each(|c| gather(module, *c, into));
+            }
+            naga::Expression::Literal(naga::Literal::F32(number)) => into.push(*number),
+            other => panic!("{other:?}"),
+        }
+    }
+    let module = parsed(source);
+    let mut constants = module.constants.iter();
+    let found = constants.find(|(_, constant)| constant.name.as_deref() == Some(name));
+    let (_, constant) = found.unwrap_or_else(|| panic!("{} has no {name}", source.name));
+    let mut numbers = Vec::new();
+    gather(&module, constant.init, &mut numbers);
+    numbers
+}
+
+#[test]
+fn levels_have_the_colours_that_programs_name() {
+    let linear = LEVEL_COLOURS.iter().flatten();
+    let linear: Vec<f32> = linear.map(|&byte| linear_from_srgb(byte)).collect();
+    for source in [&shader::TREES, &shader::FORESTS] {
+        let found = table(source, "LEVEL_COLOURS");
+        assert_eq!(found.len(), linear.len());
+        for (found, wanted) in found.iter().zip(&linear) {
+            assert!((found - wanted).abs() < 1e-4, "{found} {wanted}");
+        }
     }
 }
 

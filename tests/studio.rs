@@ -2,6 +2,7 @@
 //! show as ignored; with `PLEACH_REQUIRE_GPU=1` that is a failure.
 
 mod common;
+mod studio_hands;
 mod studio_looks;
 mod studio_manners;
 mod studio_view;
@@ -107,6 +108,24 @@ fn main() -> ExitCode {
             "points_of_a_spline_are_moved_in_the_picture",
             studio_view::spline,
         ),
+        (
+            "the_ring_about_a_branch_makes_it_thicker",
+            studio_hands::ring,
+        ),
+        ("the_top_of_an_envelope_is_raised", studio_hands::top),
+        (
+            "points_in_a_file_are_brought_into_the_script",
+            studio_hands::file,
+        ),
+        (
+            "panes_stand_where_they_were_put_until_they_are_reset",
+            studio_hands::layout,
+        ),
+        (
+            "no_two_fields_of_a_page_are_called_the_same",
+            studio_hands::names,
+        ),
+        ("levels_have_colours_with_names", studio_hands::colours),
     ])
 }
 

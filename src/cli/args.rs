@@ -452,6 +452,8 @@ pub(crate) enum Show {
     Lit,
     /// A colour for each LOD.
     Lods,
+    /// A colour for each level of branches and leaves; grey for a pack, whose files do not tell levels.
+    Levels,
     /// Normals.
     Normals,
     /// Colour without light.

@@ -47,6 +47,9 @@ pub struct Primitive {
     pub indices: Vec<u32>,
     /// How the vertices sway, one a vertex, or empty: what [`Swayer`] adds once a mesh is chosen.
     pub sway: Vec<Sway>,
+    /// The script's level of what each vertex belongs to, one a vertex, or empty: what [`Swayer`] adds, too. What
+    /// stands for a node with all that grows on it belongs to the node's level. Files do not hold it.
+    pub levels: Vec<u8>,
 }
 
 impl Primitive {

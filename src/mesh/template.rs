@@ -49,7 +49,7 @@ impl Template {
         let mut primitive = Primitive {
             vertices: vec![zero; self.vertices.len()],
             indices: vec![0; self.indices.len()],
-            sway: Vec::new(),
+            ..Primitive::default()
         };
         let Primitive {
             vertices, indices, ..

@@ -256,6 +256,7 @@ impl Document {
             vertices,
             indices,
             sway,
+            ..Primitive::default()
         })
     }
 

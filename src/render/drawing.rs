@@ -50,7 +50,8 @@ impl Drawn<'_> {
         pass.set_bind_group(2, material, &[]);
         pass.set_vertex_buffer(0, part.vertices.slice(..));
         pass.set_vertex_buffer(1, part.sway.slice(..));
-        pass.set_vertex_buffer(2, self.instances.slice(..));
+        pass.set_vertex_buffer(2, part.levels.slice(..));
+        pass.set_vertex_buffer(3, self.instances.slice(..));
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..count, 0, 0..self.count);
     }
@@ -162,6 +163,7 @@ pub(super) fn view_code(view: ViewMode) -> u32 {
         ViewMode::Albedo => 3,
         ViewMode::Overdraw => 4,
         ViewMode::Wire => 5,
+        ViewMode::Levels => 6,
     }
 }
 

@@ -30,5 +30,7 @@ pub use camera::{Camera, Lens, Orbit};
 pub use maker::Maker;
 pub use model::{Lod, Model, Textures};
 pub use renderer::{PORTRAIT, Renderer};
-pub use scene::{CALM, Filter, Group, LightMode, Scene, Setting, ViewMode};
+pub use scene::{
+    CALM, Filter, Group, LEVEL_COLOURS, LightMode, Scene, Setting, ViewMode, level_colour,
+};
 pub use uniforms::Instance;

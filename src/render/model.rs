@@ -13,6 +13,9 @@ use crate::wind::Sway;
 use rayon::prelude::*;
 use wgpu::util::DeviceExt as _;
 
+/// The level of vertices that are of none, or of one that is not known: `NO_LEVEL` of `tree.wgsl`.
+const NO_LEVEL: u32 = 255;
+
 /// A tree on the device.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -56,6 +59,8 @@ pub(super) struct Part {
     pub(super) vertices: wgpu::Buffer,
     /// How the vertices sway.
     pub(super) sway: wgpu::Buffer,
+    /// The levels that the vertices belong to, a word each.
+    pub(super) levels: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
     /// Pairs of indices, for the view of edges.
     pub(super) edges: wgpu::Buffer,
@@ -284,12 +289,19 @@ impl Part {
         } else {
             &still
         };
+        let mut levels: Vec<u32> = primitive.levels.iter().map(|&l| l.into()).collect();
+        levels.resize(primitive.vertices.len(), NO_LEVEL);
         let indices = bytemuck::cast_slice(&primitive.indices);
         Ok(Some(Self {
             vertices: buffer("a vertex buffer", vertices, wgpu::BufferUsages::VERTEX)?,
             sway: buffer(
                 "a vertex buffer",
                 bytemuck::cast_slice(sway),
+                wgpu::BufferUsages::VERTEX,
+            )?,
+            levels: buffer(
+                "a vertex buffer",
+                bytemuck::cast_slice(&levels),
                 wgpu::BufferUsages::VERTEX,
             )?,
             indices: buffer("an index buffer", indices, wgpu::BufferUsages::INDEX)?,

@@ -55,6 +55,8 @@ const SWAY: [VertexAttribute; 2] = [
     attribute(5, offset_of!(Sway, leaf), VertexFormat::Snorm8x4),
 ];
 
+const LEVELS: [VertexAttribute; 1] = [attribute(11, 0, VertexFormat::Uint32)];
+
 const INSTANCE: [VertexAttribute; 4] = [
     attribute(6, offset_of!(Instance, place), VertexFormat::Float32x4),
     attribute(7, offset_of!(Instance, turn), VertexFormat::Float32x4),
@@ -83,6 +85,14 @@ fn sways() -> wgpu::VertexBufferLayout<'static> {
         array_stride: size_of::<Sway>() as u64,
         step_mode: VertexStepMode::Vertex,
         attributes: &SWAY,
+    }
+}
+
+fn levels() -> wgpu::VertexBufferLayout<'static> {
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<u32>() as u64,
+        step_mode: VertexStepMode::Vertex,
+        attributes: &LEVELS,
     }
 }
 
@@ -233,7 +243,7 @@ impl Pipelines {
         let trees = shader::TREES.module(device);
         let ground = shader::GROUNDS.module(device);
         let present = shader::PRESENTS.module(device);
-        let tree_buffers = [Some(vertices()), Some(sways()), Some(instances())];
+        let tree_buffers = [vertices(), sways(), levels(), instances()].map(Some);
         let lit = [&frame, &layouts.model, &layouts.material];
         let tree = |label, fragment| Recipe {
             buffers: &tree_buffers,
@@ -316,7 +326,7 @@ impl Pipelines {
         let Layouts {
             model, material, ..
         } = &self.layouts;
-        let buffers = [Some(vertices()), Some(sways())];
+        let buffers = [vertices(), sways(), levels()].map(Some);
         let lit = [&self.frame, model, material, forest];
         let tree = |label, fragment| Recipe {
             buffers: &buffers,

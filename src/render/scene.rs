@@ -80,6 +80,27 @@ pub enum ViewMode {
     Overdraw,
     /// Edges of triangles.
     Wire,
+    /// A colour for each level: [`level_colour`].
+    Levels,
+}
+
+/// Colours of the levels in [`ViewMode::Levels`], sRGB; deeper ones begin anew. Neighbours differ in hue and in
+/// lightness. `LEVEL_COLOURS` of `tree.wgsl` holds the same, linear.
+pub const LEVEL_COLOURS: [[u8; 3]; 8] = [
+    [214, 126, 44],
+    [86, 166, 232],
+    [240, 216, 76],
+    [158, 84, 196],
+    [92, 190, 92],
+    [216, 72, 78],
+    [64, 196, 186],
+    [238, 146, 190],
+];
+
+/// The colour of the level with a number in the script, from the trunk on; sRGB.
+#[must_use]
+pub const fn level_colour(level: usize) -> [u8; 3] {
+    LEVEL_COLOURS[level % LEVEL_COLOURS.len()]
 }
 
 /// How trees are blended with their backdrop (Candussi et al., section 2.3).

@@ -1,7 +1,9 @@
 //! The window's state: the document, the panes around it, and the threads that grow and write its tree.
 
+use super::asking;
 use super::browser::Browser;
 use super::closeups::Closeups;
+use super::dock::{Layout, Pane};
 use super::document::{Document, Edit};
 use super::drawings::Drawings;
 use super::dropping::Copied;
@@ -13,10 +15,12 @@ use super::hand::Hand;
 use super::judging::Judging;
 use super::kept::{Keeper, Theme};
 use super::palette::Palette;
-use super::panes::{Pane, Panes, dock};
+use super::panes::Panes;
 use super::pictures::Pictures;
+use super::presence::Presence;
 use super::questions::Question;
-use super::recovery::{Journal, Left};
+use super::recovery::{Left, Note};
+use super::scribe::Scribe;
 use super::seeds::Seeds;
 use super::{menu, outline};
 use crate::gpu::GpuError;
@@ -35,6 +39,9 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
+
+/// How long a file that is to be opened may keep the window waiting.
+const OPENING: Duration = Duration::from_secs(3);
 
 /// Seconds that a message is shown.
 const MESSAGE: f64 = 6.0;
@@ -97,14 +104,14 @@ pub(super) enum Order {
     Scale(menu::Scale),
     Theme(Theme),
     ForgetRecent,
+    ResetLayout,
     Act(Action),
 }
 
 /// The studio's state.
 pub struct Studio {
     pub(super) document: Document,
-    pub(super) journal: Option<Journal>,
-    notes: Option<PathBuf>,
+    scribe: Option<Scribe>,
     pub(super) out: PathBuf,
     stop: fn() -> bool,
     pub(super) view: Viewport,
@@ -153,6 +160,7 @@ pub struct Studio {
     pub(super) is_settled: bool,
     /// The script that was remembered last.
     pub(super) remembered: Option<PathBuf>,
+    pub(super) presence: Presence,
     pub(super) shows_hints: bool,
 }
 
@@ -185,8 +193,10 @@ impl Studio {
         };
         let mut studio = Self {
             document: begin.document,
-            journal: None,
-            notes: begin.notes,
+            scribe: begin
+                .notes
+                .map(|folder| Scribe::start(folder, wake.clone()))
+                .transpose()?,
             out: begin.out,
             stop: begin.stop,
             view: Viewport::new(state)?,
@@ -209,7 +219,9 @@ impl Studio {
             watch,
             watched,
             selected: String::new(),
-            dock: dock(),
+            dock: Layout::read(&begin.kept.now.dock)
+                .unwrap_or_else(Layout::usual)
+                .dock(),
             message: None,
             fault: None,
             question: (!begin.left.is_empty()).then_some(Question::Recover(begin.left)),
@@ -226,6 +238,7 @@ impl Studio {
             kept: begin.kept,
             is_settled: false,
             remembered: None,
+            presence: Presence::default(),
         };
         studio.renew();
         Ok(studio)
@@ -275,23 +288,27 @@ impl Studio {
         self.message.as_ref().map(|(text, _)| text.as_str())
     }
 
-    /// Keeps what is unsaved over a kill; false if it cannot.
-    pub(super) fn keep(&mut self) -> bool {
+    /// What is unsaved, if there is anything to lose.
+    fn note(&self) -> Option<Note> {
         // A new document to which nothing was done is nothing to lose.
-        let note = self.document.note().filter(|_| self.has_work());
-        if self.journal.is_none() && note.is_some() {
-            let folder = self.notes.as_deref();
-            self.journal = folder.and_then(|folder| Journal::open(folder).ok());
+        self.document.note().filter(|_| self.has_work())
+    }
+
+    /// Keeps what is unsaved over a kill.
+    pub(super) fn keep(&mut self) {
+        let note = self.note();
+        if let Some(scribe) = &mut self.scribe {
+            scribe.keep(note);
         }
-        let Some(journal) = &mut self.journal else {
-            return false;
-        };
-        if let Err(error) = journal.keep(note.as_ref()) {
-            let text = format!("what is unsaved cannot be kept over a crash: {error}");
-            self.message = Some((text, f64::MAX));
-            return false;
+    }
+
+    /// Takes over the text that a killed window has left; its note goes once this window has one.
+    pub(super) fn take_over(&mut self, left: Left) {
+        self.replace(Document::recovered(left.note.clone()));
+        let note = self.note();
+        if let Some(scribe) = &mut self.scribe {
+            scribe.take_over(note, left);
         }
-        true
     }
 
     pub(super) fn say(&mut self, ui: &Ui, text: impl Into<String>) {
@@ -321,16 +338,22 @@ impl Studio {
         match next {
             Next::Close => {
                 self.closing = true;
-                if let Some(journal) = &mut self.journal {
-                    let _ = journal.keep(None);
+                if let Some(scribe) = &mut self.scribe {
+                    scribe.keep(None);
                 }
                 ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Next::New(text) => self.replace(Document::new(text)),
-            Next::Open(path) => match Document::open(&path) {
-                Ok(document) => self.replace(document),
-                Err(error) => self.say(ui, format!("cannot read {}: {error}", path.display())),
-            },
+            Next::Open(path) => {
+                let there = path.clone();
+                match asking::within(OPENING, move || Document::open(&there)) {
+                    Some(Ok(document)) => self.replace(document),
+                    Some(Err(error)) => {
+                        self.say(ui, format!("cannot read {}: {error}", path.display()));
+                    }
+                    None => self.say(ui, format!("{} does not answer", path.display())),
+                }
+            }
         }
     }
 
@@ -364,7 +387,12 @@ impl Studio {
                 }
             }
             Order::Select(path) => self.selected = path,
-            Order::Change(Change::Rest) => self.document.rest(),
+            Order::Change(Change::Rest) => {
+                self.document.rest();
+                if let Some(scribe) = &self.scribe {
+                    scribe.hurry();
+                }
+            }
             Order::Change(Change::Edit(name, gesture, edit)) => {
                 if let Err(error) = self.apply(&name, gesture.as_deref(), edit) {
                     self.say(ui, error.to_string());
@@ -376,6 +404,7 @@ impl Studio {
             Order::Scale(scale) => self.scale(ui, scale),
             Order::Theme(theme) => ui.ctx().set_theme(theme),
             Order::ForgetRecent => self.kept.now.recent.clear(),
+            Order::ResetLayout => self.dock = Layout::usual().dock(),
             Order::Act(action) => self.act(action),
         }
     }
@@ -440,6 +469,9 @@ impl Studio {
             } else {
                 self.message = None;
             }
+        }
+        if let Some(fault) = self.scribe.as_mut().and_then(Scribe::take_fault) {
+            self.message = Some((fault, f64::MAX));
         }
         self.export_bar(ui);
         self.panes(ui, &mut orders);

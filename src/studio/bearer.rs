@@ -68,6 +68,8 @@ pub(super) fn node<'a>(tree: &'a Tree, way: &[usize]) -> Option<Node<'a>> {
 /// A branch that bears the handles of a spline's points.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bearer {
+    /// Its level in the tree.
+    pub(super) level: usize,
     place: Similarity,
     thickness: f32,
     axis: Vec<AxisSample>,
@@ -101,6 +103,7 @@ impl Bearer {
         let same = branch.axis.len() == spans * SAMPLES_PER_SPAN + 1;
         let control = branch.axis.iter().step_by(SAMPLES_PER_SPAN);
         Some(Self {
+            level: node.level,
             place: node.place,
             thickness: node.thickness,
             axis: branch.axis.clone(),
@@ -141,11 +144,23 @@ impl Bearer {
         self.sample(point).radius * self.place.scale * self.thickness
     }
 
-    /// The tube's outline across the axis at a point.
-    pub(super) fn ring(&self, point: usize) -> Vec<Vec3> {
+    /// Unit vector across the axis at a point and across the line of sight, to the right of the picture.
+    pub(super) fn aside(&self, point: usize, view: &Projection) -> Vec3 {
+        let along = self.place.rotation * self.sample(point).frame * Vec3::Y;
+        let [right, _] = view.camera.sides();
+        let aside = along.cross(view.camera.forward()).normalize_or(right);
+        if aside.dot(right) < 0.0 {
+            -aside
+        } else {
+            aside
+        }
+    }
+
+    /// The outline of a tube of some radius across the axis at a point.
+    pub(super) fn ring(&self, point: usize, radius: f32) -> Vec<Vec3> {
         let centre = self.at(point);
         let frame = self.place.rotation * self.sample(point).frame;
-        let arm = Vec3::X * self.radius(point);
+        let arm = Vec3::X * radius;
         (0..=CORNERS)
             .map(|corner| TAU * float(corner) / float(CORNERS))
             .map(|turn| centre + frame * (Quat::from_axis_angle(Vec3::Y, turn) * arm))
@@ -421,7 +436,7 @@ mod tests {
         assert!((0.005..0.1).contains(&radius), "{radius}");
         let line = before.line();
         let along = line[SAMPLES_PER_SPAN + 1] - line[SAMPLES_PER_SPAN - 1];
-        for corner in before.ring(1) {
+        for corner in before.ring(1, radius) {
             let arm = corner - centre;
             assert!((arm.length() - radius).abs() < 1e-4);
             assert!(

@@ -2,6 +2,7 @@
 
 use super::app::Order;
 use super::bearer::Bearer;
+use super::girth::Girth;
 use super::grips::{Following, Grip, keyed, offset};
 use super::hand::{Hand, Scene, Spline, metres};
 use super::marks::{self, Shaped};
@@ -21,6 +22,7 @@ pub(super) struct Bending {
     held: Option<Pulled>,
     /// The point that is to have the focus once the tree has followed.
     focus: Option<usize>,
+    pub(super) girth: Girth,
 }
 
 /// A point that is held.
@@ -97,6 +99,9 @@ impl Hand {
             }
         }
         self.bending.focus = focus.or(self.bending.focus);
+        if self.bending.held.is_none() {
+            self.ring(ui, scene, &bearer, orders);
+        }
         let changes = touches.into_iter().map(|touch| editor.change(touch));
         orders.extend(changes.map(Order::Change));
     }
@@ -127,8 +132,7 @@ impl Hand {
         };
         let response = grip.ui(ui, view.rect)?;
         if response.hovered() || response.dragged() || response.has_focus() {
-            let painter = ui.painter_at(view.rect);
-            marks::cased(&painter, view, &bearer.ring(point), marks::HOVERED);
+            self.bending.girth.point = point;
         }
         if response.drag_started_by(PointerButton::Primary) {
             self.bending.held = Some(Pulled {

@@ -1,10 +1,12 @@
 //! A path to read from or to write to: typed, or picked from the list of its folder under the field.
 
-use super::folder::{Entry, Wants, absolute, checked, list, matching, parted};
+use super::asking::{self, Answer, PATIENCE};
+use super::folder::{Entry, Found, Listing, Wants, absolute, found, matching, parted};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::text_edit::TextEditState;
 use eframe::egui::{self, Key, Modifiers, RichText, Ui};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Most entries of a folder that are listed: more are found by typing a part of their name.
 const MOST: usize = 500;
@@ -14,6 +16,9 @@ const LIST: [f32; 2] = [80.0, 200.0];
 
 /// Part of the window's height that the list takes in between.
 const PART: f32 = 0.28;
+
+/// How often it is looked whether a slow folder has answered.
+const AGAIN: Duration = Duration::from_millis(50);
 
 /// The entry that leads out of a folder.
 const UP: &str = "..";
@@ -25,7 +30,7 @@ pub(super) struct Browser {
     text: String,
     /// The folder that is listed.
     folder: PathBuf,
-    entries: Result<Vec<Entry>, String>,
+    listing: Answer<Listing>,
     /// What was typed of a name since the folder was entered.
     filter: String,
     /// Name of the entry that Enter takes.
@@ -53,7 +58,7 @@ impl Browser {
             wants,
             text: String::new(),
             folder: PathBuf::new(),
-            entries: Ok(Vec::new()),
+            listing: Answer::Never,
             filter: String::new(),
             chosen: None,
             fault: None,
@@ -75,7 +80,8 @@ impl Browser {
     }
 
     fn read(&mut self, folder: PathBuf) {
-        self.entries = list(&folder, self.wants != Wants::Folder).map_err(|e| e.to_string());
+        let (wants, place) = (self.wants, folder.clone());
+        self.listing = Answer::to(move || Listing::of(&place, wants));
         self.folder = folder;
         self.chosen = None;
         self.filter = String::new();
@@ -106,15 +112,21 @@ impl Browser {
         (self.filter, self.chosen, self.fault) = (name, None, None);
     }
 
+    /// What the folder holds, so far as that is known.
+    fn entries(&self) -> &[Entry] {
+        let listing = self.listing.get().map(|listing| &listing.entries);
+        let entries = listing.and_then(|entries| entries.as_deref().ok());
+        entries.unwrap_or_default()
+    }
+
     /// The entries that are shown.
     fn shown(&self) -> Vec<Entry> {
-        let entries = self.entries.as_deref().unwrap_or_default();
         let up = self.folder.parent().is_some().then(|| Entry {
             name: UP.to_owned(),
             is_folder: true,
         });
         let up = up.filter(|_| self.filter.is_empty());
-        let found = matching(entries, &self.filter);
+        let found = matching(self.entries(), &self.filter);
         up.into_iter().chain(found.cloned()).collect()
     }
 
@@ -124,7 +136,10 @@ impl Browser {
         let stays = match self.wants {
             Wants::Folder => false,
             Wants::Script => name == UP,
-            Wants::NewScript => place.is_dir(),
+            Wants::NewScript => {
+                let is_it = |entry: &Entry| entry.is_folder && entry.name == name;
+                name == UP || self.entries().iter().any(is_it)
+            }
         };
         if !stays {
             self.text = place.display().to_string();
@@ -166,16 +181,22 @@ impl Browser {
         let path = absolute(&path);
         let enters = match self.wants {
             Wants::Folder => self.chosen.is_some() && !by_button,
-            Wants::Script | Wants::NewScript => path.is_dir(),
+            Wants::Script | Wants::NewScript => true,
         };
-        if enters {
-            self.enter(path);
-            return None;
-        }
-        match checked(self.wants, &self.text, path) {
-            Ok(path) => Some(path),
-            Err(fault) => {
+        let (wants, typed, place) = (self.wants, self.text.clone(), path.clone());
+        let look = move || found(wants, &typed, place, enters);
+        match asking::within(PATIENCE, look) {
+            Some(Found::Enter(folder)) => {
+                self.enter(folder);
+                None
+            }
+            Some(Found::Take(path)) => Some(path),
+            Some(Found::Fault(fault)) => {
                 self.fault = Some(fault);
+                None
+            }
+            None => {
+                self.fault = Some(format!("{} does not answer.", path.display()));
                 None
             }
         }
@@ -188,6 +209,10 @@ impl Browser {
         (heading, verb): (&str, &str),
         more: impl FnOnce(&mut Ui),
     ) -> Option<Done> {
+        self.listing.poll();
+        if self.listing.is_awaited() {
+            ui.ctx().request_repaint_after(AGAIN);
+        }
         let label = ui.heading(heading);
         let mut done = self.field(ui, label.id).map(Done::Take);
         if let Some(fault) = &self.fault {
@@ -284,8 +309,11 @@ impl Browser {
 
     /// What is to be said under the entries.
     fn remark(&self, shown: usize) -> Option<String> {
-        match &self.entries {
-            Err(_) if self.wants == Wants::Folder && !self.folder.exists() => {
+        let Some(listing) = self.listing.get() else {
+            return Some("Waiting for the disk ...".to_owned());
+        };
+        match &listing.entries {
+            Err(_) if self.wants == Wants::Folder && !listing.is_there => {
                 Some("This folder will be made.".to_owned())
             }
             Err(fault) => Some(format!("Cannot be listed: {fault}")),

@@ -110,6 +110,13 @@ impl Budgets<'_> {
 
     /// Puts one in.
     pub(super) fn add(&self, index: usize, budget: u64) -> Edit {
+        if self.is_written() {
+            return Edit::Insert {
+                list: Self::PATH.to_owned(),
+                index,
+                item: budget.to_string(),
+            };
+        }
         let mut budgets = self.budgets.to_vec();
         budgets.insert(index, budget);
         Self::whole(&budgets)
@@ -119,6 +126,9 @@ impl Budgets<'_> {
     pub(super) fn remove(&self, index: usize) -> Option<Edit> {
         if self.budgets.len() < 2 {
             return None;
+        }
+        if self.is_written() {
+            return Some(Edit::Remove(format!("{}.{index}", Self::PATH)));
         }
         let mut budgets = self.budgets.to_vec();
         budgets.remove(index);
@@ -156,7 +166,7 @@ mod tests {
     fn budgets_are_changed_where_the_text_has_them_and_where_it_means_them() {
         let written = BLANK.replacen(
             "format:",
-            "lod: (budgets: [\n 9000, // near\n 700]),\n format:",
+            "lod: (budgets: [\n 9000, // near\n 700, // far\n]),\n format:",
             1,
         );
         let plain = BLANK.replacen("format:", "lod: (budgets: [9000, 700]), format:", 1);
@@ -172,8 +182,11 @@ mod tests {
             );
             assert!(change(&mut document, |b| Some(b.add(1, 654))));
             assert_eq!(budgets(&document)[..3], [first, 654, 500]);
+            // What is said of the others stays beside them.
+            assert_eq!(document.text().contains("// far"), text.contains("// far"));
             assert!(change(&mut document, |b| b.remove(0)));
             assert_eq!(budgets(&document)[..2], [654, 500]);
+            assert_eq!(document.text().contains("// far"), text.contains("// far"));
             assert_eq!(budgets(&document).len(), before.len());
             while change(&mut document, |b| b.remove(0)) {}
             assert_eq!(budgets(&document).len(), 1, "the last one stays");

@@ -6,12 +6,19 @@ use super::form::Change;
 use super::outline;
 use super::parts::number_of;
 use crate::math::{Vec3, float};
+use crate::species::fields::{ENVELOPE, Holds, Limits};
 use crate::species::syntax::Node;
 use crate::viewer::projection::Projection;
 use eframe::egui::Pos2;
 
+/// Lowest top of an envelope, metres.
+const LOWEST: f64 = 0.05;
+
 /// Largest radius of an envelope, metres.
 const WIDEST: f64 = 200.0;
+
+/// Points of the screen from the top to the handle that raises it: outer points of the profile may meet there.
+const ABOVE: f32 = 20.0;
 
 /// Points of the profile as it is drawn.
 const POINTS: u32 = 64;
@@ -144,6 +151,47 @@ impl Crown {
         )
     }
 
+    /// Height of the top, metres.
+    pub(super) fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// The top, and the handle over it that raises it.
+    #[expect(clippy::cast_possible_truncation, reason = "metres")]
+    pub(super) fn top(&self, view: &Projection) -> [Vec3; 2] {
+        let top = Vec3::Y * self.height as f32;
+        [top, top + Vec3::Y * (ABOVE * view.metres_a_point(top))]
+    }
+
+    /// The top of an envelope of some height moved as far as the pointer has gone.
+    pub(super) fn raised(&self, view: &Projection, height: f64, way: [Pos2; 2]) -> Option<Self> {
+        let normal = view.camera.forward().with_y(0.0).normalize_or(Vec3::Z);
+        let [from, to] = way.map(|at| view.ray(at).meets(Vec3::ZERO, normal));
+        Some(self.as_high_as(height + f64::from(to?.y - from?.y)))
+    }
+
+    /// The same with its top at another height, metres, so far as limits let it.
+    pub(super) fn as_high_as(&self, height: f64) -> Self {
+        let within = match ENVELOPE.field("height_m").map(|field| field.holds) {
+            Some(Holds::Number(Limits { min, max, .. })) => {
+                height.clamp(f64::from(min).max(LOWEST), max.into())
+            }
+            _ => height.max(LOWEST),
+        };
+        Self {
+            height: (within * 100.0).round() / 100.0,
+            ..self.clone()
+        }
+    }
+
+    /// What makes a script say this height; `level` is the path of the level.
+    pub(super) fn change_of_height(&self, level: &str) -> Change {
+        let path = format!("{level}.envelope.height_m");
+        let value = number(self.height);
+        let name = "Set the height of the envelope".to_owned();
+        Change::Edit(name, Some(path.clone()), Edit::Set { path, value })
+    }
+
     /// True if a camera sees the profile from the side.
     pub(super) fn is_seen(view: &Projection) -> bool {
         view.camera.forward().y.abs() < STEEPEST
@@ -186,6 +234,29 @@ mod tests {
             let place = dragged.place(&view, 1, side).unwrap();
             assert!(place.distance(to) < 0.02);
         }
+    }
+
+    #[test]
+    fn the_top_goes_where_its_handle_is_dragged_and_parts_stay() {
+        let view = view();
+        let crown = crown("[(0, 1), (0.4, 4), (1, 0.5)]");
+        let to = crown.as_high_as(7.5);
+        let way = [&crown, &to].map(|crown| view.place(crown.top(&view)[0]).unwrap());
+        let raised = crown.raised(&view, crown.height(), way).unwrap();
+        assert!((raised.height() - 7.5).abs() < 0.1, "{}", raised.height());
+        assert_eq!(raised.radius, crown.radius);
+        assert_eq!(crown.as_high_as(-3.0).height(), LOWEST);
+        let Change::Edit(_, _, edit) = to.change_of_height("levels.1") else {
+            panic!("no edit");
+        };
+        let path = "levels.1.envelope.height_m".to_owned();
+        assert_eq!(
+            edit,
+            Edit::Set {
+                path,
+                value: "7.5".to_owned()
+            }
+        );
     }
 
     #[test]

@@ -14,6 +14,7 @@ use crate::species::syntax::Node;
 use crate::viewer::loader::Polled;
 use eframe::egui::Ui;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Real height of one repeat of a bark's picture until its author says better, metres.
@@ -210,12 +211,14 @@ fn copied(copy: &Copy, folder: &Path) -> Result<String, String> {
             _ => format!("{stem}-{number}.png"),
         };
         let place = folder.join(&name);
-        if fs::read(&place).is_ok_and(|there| there == bytes) {
-            return Ok(name);
-        }
-        if !place.exists() {
-            disk::write_whole(&place, &bytes).map_err(|e| told(&e))?;
-            return Ok(name);
+        match disk::write_new(&place, &bytes) {
+            Ok(()) => return Ok(name),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                if fs::read(&place).is_ok_and(|there| there == bytes) {
+                    return Ok(name);
+                }
+            }
+            Err(error) => return Err(told(&error)),
         }
     }
     unreachable!("numbers do not end")

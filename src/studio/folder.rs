@@ -15,6 +15,44 @@ pub(super) enum Wants {
     Folder,
 }
 
+/// A folder as it was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Listing {
+    pub(super) entries: Result<Vec<Entry>, String>,
+    /// False for one that may have to be made.
+    pub(super) is_there: bool,
+}
+
+impl Listing {
+    /// What a folder holds for what is wanted.
+    pub(super) fn of(folder: &Path, wants: Wants) -> Self {
+        Self {
+            entries: list(folder, wants != Wants::Folder).map_err(|e| e.to_string()),
+            is_there: folder.exists(),
+        }
+    }
+}
+
+/// What is to become of a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Found {
+    /// It is a folder to look into.
+    Enter(PathBuf),
+    Take(PathBuf),
+    Fault(String),
+}
+
+/// Looks at a path that is to be taken; `enters` says whether folders are gone into.
+pub(super) fn found(wants: Wants, typed: &str, path: PathBuf, enters: bool) -> Found {
+    if enters && path.is_dir() {
+        return Found::Enter(path);
+    }
+    match checked(wants, typed, path) {
+        Ok(path) => Found::Take(path),
+        Err(fault) => Found::Fault(fault),
+    }
+}
+
 /// Something in a folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Entry {
@@ -23,7 +61,7 @@ pub(super) struct Entry {
 }
 
 /// A path that may be taken, or why not.
-pub(super) fn checked(wants: Wants, typed: &str, mut path: PathBuf) -> Result<PathBuf, String> {
+fn checked(wants: Wants, typed: &str, mut path: PathBuf) -> Result<PathBuf, String> {
     match wants {
         Wants::Script if !path.is_file() => Err(format!("There is no file {}.", path.display())),
         Wants::NewScript => {
@@ -73,7 +111,7 @@ pub(super) fn parted(text: &str) -> (PathBuf, String) {
 ///
 /// # Errors
 /// If the folder cannot be read.
-pub(super) fn list(folder: &Path, scripts: bool) -> io::Result<Vec<Entry>> {
+fn list(folder: &Path, scripts: bool) -> io::Result<Vec<Entry>> {
     let mut entries: Vec<Entry> = fs::read_dir(folder)?
         .flatten()
         .filter_map(|entry| {

@@ -5,7 +5,7 @@ use super::document::Edit;
 use super::drawings::{Drawings, Wish};
 use super::nearby;
 use super::outline;
-use super::parts::{Parts, number_of, usual_step};
+use super::parts::number_of;
 use crate::species::fault::Fault;
 use crate::species::fields::{self, Absent, Field, Holds, Limits, Table};
 use crate::species::syntax::{self, Kind, Node};
@@ -32,6 +32,8 @@ pub(super) struct Sheet<'a> {
     pub(super) is_trunk: bool,
     /// Drawings of what a field does.
     pub(super) drawings: &'a RefCell<Drawings>,
+    /// The struct within the page that the fields are of.
+    pub(super) within: Option<&'a str>,
 }
 
 /// Fields of the whole script that have pages of their own, or that nobody should change.
@@ -126,18 +128,28 @@ pub fn meaning(field: &Field) -> String {
     )
 }
 
-struct Row<'a, 'c> {
+/// A field's row.
+pub(super) struct Row<'a, 'c> {
     sheet: Sheet<'a>,
-    field: &'static Field,
+    pub(super) field: &'static Field,
     path: &'a str,
     value: Option<&'a Node>,
-    changes: &'c mut Vec<Change>,
+    pub(super) changes: &'c mut Vec<Change>,
 }
 
 /// Width of names.
 const NAMES: f32 = 118.0;
 
 impl Row<'_, '_> {
+    /// The field's name as no other of the page has it.
+    pub(super) fn name(&self) -> String {
+        let name = readable(self.field.name);
+        match self.sheet.within {
+            Some(within) => format!("{name} of {within}"),
+            None => name,
+        }
+    }
+
     fn ui(&mut self, ui: &mut Ui) {
         if let Holds::Other(_) = self.field.holds
             && let Some(value) = self.value
@@ -155,13 +167,13 @@ impl Row<'_, '_> {
             let label = ui
                 .allocate_ui_with_layout(size, left, |ui| {
                     ui.set_min_width(NAMES);
-                    let label = ui.label(name);
+                    let label = called(ui.label(name), &self.name());
                     label.on_hover_ui(|ui| self.told(ui))
                 })
                 .inner;
             self.widget(ui, label.id);
             if self.value.is_some() && self.field.absent != Absent::Fault {
-                let what = format!("Leave out {}", readable(self.field.name));
+                let what = format!("Leave out {}", self.name());
                 let button = ui.add(egui::Button::new("×").small().frame(false));
                 let button = button.on_hover_text(&what);
                 button.widget_info(|| {
@@ -194,18 +206,23 @@ impl Row<'_, '_> {
             None => readable(self.field.name),
         };
         let (sheet, path) = (self.sheet, self.path.to_owned());
+        let name = self.name();
         egui::CollapsingHeader::new(title)
             .id_salt(&path)
             .show(ui, |ui| {
                 ui.label(RichText::new(self.field.doc).small().weak());
                 let sheet = Sheet {
                     is_trunk: false,
+                    within: Some(&name),
                     ..sheet
                 };
                 page(ui, sheet, (value, table), &path, self.changes);
-                if self.field.absent != Absent::Fault && ui.small_button("Leave out").clicked() {
-                    let name = format!("Leave out {}", readable(self.field.name));
-                    self.edit(name, None, Edit::Remove(path.clone()));
+                if self.field.absent == Absent::Fault {
+                    return;
+                }
+                let what = format!("Leave out {name}");
+                if button(ui, "Leave out", &what) {
+                    self.edit(what, None, Edit::Remove(path.clone()));
                 }
             });
     }
@@ -228,14 +245,14 @@ impl Row<'_, '_> {
         self.changes.push(Change::Edit(name, gesture, edit));
     }
 
-    fn set(&mut self, value: String) {
+    pub(super) fn set(&mut self, value: String) {
         let path = self.path.to_owned();
         let name = format!("Set {}", readable(self.field.name));
         self.edit(name, Some(path.clone()), Edit::Set { path, value });
     }
 
     /// Ends a gesture when a widget is let go of.
-    fn rest(&mut self, response: &egui::Response) {
+    pub(super) fn rest(&mut self, response: &egui::Response) {
         // A double click adds a point of a curve, a right click takes one away.
         let clicked = response.double_clicked() || response.secondary_clicked();
         if response.drag_stopped() || response.lost_focus() || clicked {
@@ -244,7 +261,7 @@ impl Row<'_, '_> {
     }
 
     /// The value as it stands, or as it is meant where it is left out.
-    fn shown(&self) -> Option<Node> {
+    pub(super) fn shown(&self) -> Option<Node> {
         match (self.value, self.field.absent) {
             (Some(value), _) => Some(value.clone()),
             (None, Absent::Means(text)) => syntax::parse(text).0,
@@ -268,10 +285,7 @@ impl Row<'_, '_> {
         if self.value.is_some() {
             return self.raw_value(ui, None);
         }
-        let what = format!("Set {}", readable(self.field.name));
-        let button = ui.small_button("set");
-        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, what.clone()));
-        if button.clicked() {
+        if button(ui, "set", &format!("Set {}", self.name())) {
             let usual = 1.0_f64.clamp(f64::from(limits.min), f64::from(limits.max));
             self.set(curve::number(usual));
             self.changes.push(Change::Rest);
@@ -284,7 +298,7 @@ impl Row<'_, '_> {
             if self.value.is_some() {
                 return self.raw_value(ui, Some(label));
             }
-            if ui.small_button("set").clicked() {
+            if button(ui, "set", &format!("Set {}", self.name())) {
                 self.set(low.max(1).min(high).to_string());
                 self.changes.push(Change::Rest);
             }
@@ -308,6 +322,9 @@ impl Row<'_, '_> {
                 egui::WidgetInfo::labeled(egui::Role::Button, !locked, "Another seed")
             });
             let toggle = ui.toggle_value(&mut locked, "lock");
+            toggle.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, true, locked, "Lock the seed")
+            });
             let toggle = toggle.on_hover_text("Keeps the seed from being rolled or dragged");
             if toggle.changed() {
                 ui.data_mut(|data| data.insert_temp(lock, locked));
@@ -323,91 +340,9 @@ impl Row<'_, '_> {
         let Some(mut curve) = self.shown().as_ref().and_then(Curve::of) else {
             return self.raw_value(ui, Some(label));
         };
-        let (changed, response) = curve::ui(ui, &readable(self.field.name), &mut curve, limits);
+        let (changed, response) = curve::ui(ui, &self.name(), &mut curve, limits);
         if changed {
             self.set(curve.text());
-        }
-        self.rest(&response);
-    }
-
-    /// An angle or a factor: a number, a curve, or both with a step and chance.
-    fn parts(&mut self, ui: &mut Ui, label: egui::Id, limits: Limits, is_angle: bool) {
-        let Some(mut parts) = self.shown().as_ref().and_then(Parts::of) else {
-            return self.raw_value(ui, Some(label));
-        };
-        let before = parts.clone();
-        let first = self.changes.len();
-        let usual = usual_step(self.field);
-        let unsaid = if parts.in_brackets { usual } else { 0.0 };
-        let name = readable(self.field.name);
-        ui.vertical(|ui| {
-            ui.horizontal(|ui| {
-                if let Curve::Flat(value) = &mut parts.at {
-                    let response = drag(ui, value, limits).labelled_by(label);
-                    self.rest(&response);
-                }
-                let mut varies = matches!(parts.at, Curve::Points(_));
-                let toggle = ui.toggle_value(&mut varies, "curve");
-                let toggle = toggle.on_hover_text("By position on the parent");
-                if toggle.clicked() {
-                    self.changes.push(Change::Rest);
-                    parts.at = match &parts.at {
-                        Curve::Flat(value) => Curve::Points(vec![[0.0, *value], [1.0, *value]]),
-                        Curve::Points(points) => Curve::Flat(points[0][1]),
-                    };
-                }
-            });
-            if let Curve::Points(_) = &parts.at {
-                let (_, response) = curve::ui(ui, &name, &mut parts.at, limits);
-                self.rest(&response);
-            }
-            ui.horizontal(|ui| {
-                if is_angle {
-                    self.part(ui, "step", (&mut parts.step, unsaid), limits);
-                }
-                let vary = if is_angle {
-                    fields::ANGLE.field("vary")
-                } else {
-                    fields::FACTOR_PARTS.field("vary")
-                };
-                if let Some(Field {
-                    holds: Holds::Number(limits),
-                    ..
-                }) = vary
-                {
-                    self.part(ui, "vary", (&mut parts.vary, 0.0), *limits);
-                }
-            });
-        });
-        if parts != before {
-            // What ends the gesture comes behind what it has done.
-            let ends = self.changes.split_off(first);
-            self.set(parts.text_with(usual));
-            self.changes.extend(ends);
-        }
-    }
-
-    /// A part of an angle or factor, and what it is where it is left out.
-    fn part(
-        &mut self,
-        ui: &mut Ui,
-        what: &str,
-        (value, unsaid): (&mut Option<f64>, f64),
-        limits: Limits,
-    ) {
-        let label = ui.label(RichText::new(what).weak());
-        let mut number = value.unwrap_or(unsaid);
-        let widget = egui::DragValue::new(&mut number)
-            .range(limits.min..=limits.max)
-            .speed(f64::from(limits.max - limits.min).min(100.0) / 300.0)
-            .max_decimals(3);
-        let response = ui.add(widget).labelled_by(label.id);
-        let response = response.on_hover_text(match what {
-            "step" => "Added once more for each link",
-            _ => "Random part, either way",
-        });
-        if response.changed() {
-            *value = Some(number);
         }
         self.rest(&response);
     }
@@ -475,15 +410,11 @@ impl Row<'_, '_> {
 
     /// What has no widget of its own: in the script's words; or a button that begins it.
     fn raw(&mut self, ui: &mut Ui, label: egui::Id) {
-        let name = readable(self.field.name);
+        let name = self.name();
         match (self.value, outline::beginning(self.field.name)) {
             (None, Some(beginning)) => {
-                let button = ui.small_button("add");
                 let what = format!("Add {name}");
-                button.widget_info(|| {
-                    egui::WidgetInfo::labeled(egui::Role::Button, true, what.clone())
-                });
-                if button.clicked() {
+                if button(ui, "add", &what) {
                     let path = self.path.to_owned();
                     let value = beginning.to_owned();
                     self.edit(what, None, Edit::Set { path, value });
@@ -494,7 +425,7 @@ impl Row<'_, '_> {
     }
 
     /// A value in the script's own words, taken once it can be read.
-    fn raw_value(&mut self, ui: &mut Ui, label: Option<egui::Id>) {
+    pub(super) fn raw_value(&mut self, ui: &mut Ui, label: Option<egui::Id>) {
         let source = self.sheet.source;
         let now = match (self.value, self.field.absent) {
             (Some(value), _) => source.get(value.span.clone()).unwrap_or("").to_owned(),
@@ -531,8 +462,21 @@ impl Row<'_, '_> {
     }
 }
 
+/// Gives a label the name that those hear who do not see what stands around it.
+pub(super) fn called(label: egui::Response, name: &str) -> egui::Response {
+    label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, name));
+    label
+}
+
+/// A small button with such a name; true if it was pressed.
+fn button(ui: &mut Ui, label: &str, what: &str) -> bool {
+    let button = ui.small_button(label);
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, what));
+    button.clicked()
+}
+
 /// A number: a slider where the range is short, else a field to drag or to type in.
-fn drag(ui: &mut Ui, value: &mut f64, limits: Limits) -> egui::Response {
+pub(super) fn drag(ui: &mut Ui, value: &mut f64, limits: Limits) -> egui::Response {
     let range = f64::from(limits.min)..=f64::from(limits.max);
     let unit = match limits.unit {
         "" => String::new(),
@@ -545,7 +489,13 @@ fn drag(ui: &mut Ui, value: &mut f64, limits: Limits) -> egui::Response {
         ui.spacing_mut().slider_width = 90.0;
         return ui.add(egui::Slider::new(value, range).suffix(unit).max_decimals(4));
     }
-    let speed = (value.abs() * 0.01).clamp(0.0005, 2.0);
+    // No hand sets an angle to a thousandth of a degree; digits follow the speed.
+    let finest = if limits.unit == "degrees" {
+        0.1
+    } else {
+        0.0005
+    };
+    let speed = (value.abs() * 0.01).clamp(finest, 2.0);
     ui.add(
         egui::DragValue::new(value)
             .range(range)

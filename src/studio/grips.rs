@@ -2,6 +2,7 @@
 
 use super::app::Order;
 use super::crown::Crown;
+use super::curve::number;
 use super::hand::{Hand, Level, Scene};
 use super::handles::{self, Handle, Sets};
 use super::marks::{self, Shaped};
@@ -270,6 +271,7 @@ impl Hand {
             let stroke = Stroke::new(1.5, marks::SELECTED);
             marks::line(&painter, view, &crown.profile(view, side), stroke);
         }
+        self.top(ui, scene, (&crown, level.path), orders);
         for point in 0..crown.count() {
             for (side, name) in [(1.0, "right"), (-1.0, "left")] {
                 let place = crown.place(view, point, side).and_then(|p| view.place(p));
@@ -309,6 +311,66 @@ impl Hand {
                     self.rest(orders);
                 }
             }
+        }
+    }
+}
+
+impl Hand {
+    /// The handle that raises an envelope's top.
+    fn top(
+        &mut self,
+        ui: &Ui,
+        scene: &Scene<'_>,
+        (crown, level): (&Crown, &str),
+        orders: &mut Vec<Order>,
+    ) {
+        let view = &scene.view;
+        let ends = crown.top(view);
+        let Some(mut at) = view.place(ends[1]) else {
+            return;
+        };
+        // The top may be above the picture, and is lowered from its edge then.
+        at.y = at.y.max(view.rect.top() + GRIP);
+        let painter = ui.painter_at(view.rect);
+        marks::line(&painter, view, &ends, Stroke::new(1.5, marks::SELECTED));
+        let told = format!("height {} m", number(crown.height()));
+        let grip = Grip {
+            id: ui.scope_id().with("crown top"),
+            at,
+            shaped: Shaped::Diamond,
+            label: "Height of the envelope",
+            value: Some(crown.height()),
+            meaning: &format!(
+                "The top of the envelope that the tips stay within: {told}\nDrag it, or use the arrow keys."
+            ),
+        };
+        let Some(response) = grip.ui(ui, view.rect) else {
+            return;
+        };
+        let mut after = None;
+        if response.dragged()
+            && let Some(pointer) = response.interact_pointer_pos()
+        {
+            let pressed = ui.input(|input| input.pointer.press_origin());
+            let begun = response.id.with("height");
+            if response.drag_started() {
+                ui.data_mut(|data| data.insert_temp(begun, crown.height()));
+            }
+            let height = ui.data(|data| data.get_temp(begun));
+            after = height
+                .zip(pressed)
+                .and_then(|(height, from)| crown.raised(view, height, [from, pointer]));
+            write(ui, at + vec2(12.0, 12.0), Align2::LEFT_TOP, &told);
+        }
+        let steps: f32 = keyed(ui, &response).iter().sum();
+        if steps != 0.0 {
+            after = Some(crown.as_high_as(crown.height() + f64::from(steps) * 0.1));
+        }
+        if let Some(after) = after.filter(|after| after != crown) {
+            orders.push(Order::Change(after.change_of_height(level)));
+        }
+        if response.drag_stopped() || response.lost_focus() {
+            self.rest(orders);
         }
     }
 }

@@ -4,6 +4,7 @@
 use super::app::Order;
 use super::bearer;
 use super::bending::Bending;
+use super::bringing::Outside;
 use super::document::Document;
 use super::form::Change;
 use super::grips::Held;
@@ -24,6 +25,11 @@ const CANDIDATES: usize = 4000;
 
 /// Length on the screen beyond which a longer node is no better for handles, points.
 const LONG: f32 = 140.0;
+
+/// Height of the switch in the corner with the room around it, of a note above that, and the note's width, points.
+const ROW: f32 = 42.0;
+const NOTE: f32 = 68.0;
+const WIDTH: f32 = 340.0;
 
 /// A tree's nodes.
 #[derive(Debug)]
@@ -194,6 +200,7 @@ impl Hand {
                 self.choose(&nodes, &scene.view, Bears::Spline(spline.index));
             }
             self.bend(ui, scene, spline, orders);
+            outside(ui, scene, spline, orders);
         } else {
             self.bending = Bending::default();
         }
@@ -350,6 +357,30 @@ impl Hand {
             held.following.is_released = true;
         }
     }
+}
+
+/// Says in the picture why a spline's points have no handles.
+fn outside(ui: &mut Ui, scene: &Scene<'_>, spline: Spline<'_>, orders: &mut Vec<Order>) {
+    let Ok(species) = &scene.document.reading().species else {
+        return;
+    };
+    let Some(outside) = Outside::of(spline.path, spline.node, species) else {
+        return;
+    };
+    let rect = scene.view.rect;
+    let place = Rect::from_min_max(
+        rect.left_bottom() + vec2(8.0, -ROW - NOTE),
+        rect.right_bottom() + vec2(-8.0, -ROW),
+    );
+    let builder = egui::UiBuilder::new().id_salt("outside").max_rect(place);
+    let mut ui = ui.new_child(builder);
+    let fill = ui.visuals().panel_fill.gamma_multiply(0.85);
+    let frame = egui::Frame::new().fill(fill).corner_radius(4.0);
+    let shown = frame.inner_margin(vec2(6.0, 4.0)).show(&mut ui, |ui| {
+        ui.set_max_width(WIDTH);
+        outside.ui(ui, scene.document.text())
+    });
+    orders.extend(shown.inner.map(Order::Change));
 }
 
 /// The node that handles are best put on: in the middle of its parent, and seen long in the picture.

@@ -20,6 +20,9 @@ pub const SCALES: [f32; 2] = [0.8, 2.0];
 /// Edges of a foliage atlas that are offered, texels.
 pub const ATLASES: [u32; 6] = [256, 512, 1024, 2048, 4096, 8192];
 
+/// Height of a screen on which words have their usual size, points.
+const USUAL_SCREEN: f32 = 1440.0;
+
 /// How often the file is written at most.
 const EVERY: Duration = Duration::from_secs(1);
 
@@ -37,6 +40,9 @@ pub struct Kept {
     pub export: Export,
     /// True until the first hints were dismissed.
     pub hints: bool,
+    /// How the panes stand, in the words of the dock; empty while they stand as usual. What cannot be read is the
+    /// usual, too.
+    pub dock: String,
 }
 
 /// Light or dark.
@@ -77,6 +83,7 @@ impl Default for Kept {
             recent: Vec::new(),
             export: Export::default(),
             hints: true,
+            dock: String::new(),
         }
     }
 }
@@ -194,6 +201,8 @@ pub struct Keeper {
     last: Option<Instant>,
     /// True while a file is there that says nothing.
     is_bad: bool,
+    /// True if nothing was kept before.
+    is_first: bool,
     fault: Option<String>,
 }
 
@@ -205,7 +214,10 @@ impl Keeper {
         let mut keeper = Self::default();
         if let Some(file) = &file {
             match read(file) {
-                Ok(kept) => keeper.now = kept.unwrap_or_default(),
+                Ok(kept) => {
+                    keeper.is_first = kept.is_none();
+                    keeper.now = kept.unwrap_or_default();
+                }
                 Err(fault) => {
                     keeper.is_bad = true;
                     let text = "the studio's settings cannot be read, and the usual ones are taken";
@@ -222,6 +234,16 @@ impl Keeper {
     #[must_use]
     pub fn keeps(&self) -> bool {
         self.file.is_some()
+    }
+
+    /// Takes the scale that fits a screen of some height, points, if nobody has chosen one yet: without it, words are
+    /// small on a screen of which the system does not tell how fine it is.
+    pub fn suit(&mut self, height: f32) {
+        if std::mem::take(&mut self.is_first) {
+            let [least, most] = SCALES;
+            let scale = (height / USUAL_SCREEN * 10.0).round() / 10.0;
+            self.now.scale = scale.clamp(least.max(1.0), most);
+        }
     }
 
     /// What went wrong, once.
@@ -306,6 +328,7 @@ mod tests {
                 ..Export::default()
             },
             hints: false,
+            dock: "Pane(Tree)".to_owned(),
         }
     }
 
@@ -330,6 +353,27 @@ mod tests {
         keeper.now.scale = 0.9;
         drop(keeper);
         assert!((read(&file) - 0.9).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_first_window_has_words_that_fit_its_screen_and_later_ones_what_was_chosen() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("studio.ron");
+        for (height, scale) in [(720.0, 1.0), (1440.0, 1.0), (2160.0, 1.5), (4320.0, 2.0)] {
+            let mut keeper = Keeper::open(Some(file.clone()));
+            keeper.suit(height);
+            assert_eq!(keeper.now.scale, scale, "{height}");
+            keeper.suit(720.0);
+            assert_eq!(keeper.now.scale, scale, "once");
+            keeper.now.scale = 1.0;
+            keeper.written = Kept::default();
+        }
+        let mut keeper = Keeper::open(Some(file.clone()));
+        keeper.now.scale = 1.2;
+        drop(keeper);
+        let mut keeper = Keeper::open(Some(file));
+        keeper.suit(2160.0);
+        assert!((keeper.now.scale - 1.2).abs() < 1e-6);
     }
 
     #[test]

@@ -52,9 +52,9 @@ impl Panes<'_> {
             sideways(ui, "table", |ui| table.ui(ui, choice, &mut changes));
             table.finer(ui, &mut changes);
             self.measuring(ui, is_current);
-            if let Some(lod) = lod {
+            if let Some((root, lod)) = written {
                 ui.add_space(4.0);
-                priorities::ui(ui, lod, &mut changes);
+                priorities::ui(ui, root, lod, &mut changes);
             }
             for warning in &subject.warnings {
                 ui.small(format!("warning: {warning}"));

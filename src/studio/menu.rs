@@ -110,6 +110,7 @@ pub(super) const COMMANDS: &[Command] = &[
     command(Menu::View, "Larger", LARGER, || Order::Scale(Scale::Larger)),
     command(Menu::View, "Smaller", &[ctrl(Key::Minus)], || Order::Scale(Scale::Smaller)),
     command(Menu::View, "Usual size", &[ctrl(Key::Num0)], || Order::Scale(Scale::Usual)),
+    command(Menu::View, "Reset layout", &[], || Order::ResetLayout),
     command(Menu::Theme, "Dark", &[], || Order::Theme(Theme::Dark)),
     command(Menu::Theme, "Light", &[], || Order::Theme(Theme::Light)),
     command(Menu::Theme, "As the system", &[], || Order::Theme(Theme::System)),
@@ -119,7 +120,7 @@ pub(super) const COMMANDS: &[Command] = &[
 ];
 
 /// Commands that a line parts from those before them.
-const PARTED: [&str; 3] = ["Export a pack ...", "Quit", "About ..."];
+const PARTED: [&str; 4] = ["Export a pack ...", "Quit", "Reset layout", "About ..."];
 
 /// What the keys that are pressed ask for; taken before the fields see them, which have an undo of their own.
 pub(super) fn pressed(ui: &Ui, orders: &mut Vec<Order>) {
@@ -203,7 +204,7 @@ impl Studio {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let folder = path.parent().map(|p| p.display().to_string());
             let text = format!("{name}  in {}", folder.unwrap_or_default());
-            let text = if path.exists() {
+            let text = if self.presence.is_there(path, ui.ctx()) {
                 RichText::new(text)
             } else {
                 RichText::new(text).weak()

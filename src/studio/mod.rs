@@ -6,20 +6,25 @@
 //! [`crate::species::fields`] ([`outline`], [`form`]): a field that the language gets is in the studio at once.
 
 pub mod adding;
+mod angles;
 mod app;
+mod asking;
 mod bearer;
 mod bending;
+mod bringing;
 mod browser;
 mod budgets;
 mod closeups;
 mod crown;
 mod curve;
+mod dock;
 pub mod document;
 mod drawings;
 mod dropping;
 mod export;
 mod folder;
 pub mod form;
+mod girth;
 mod grips;
 mod growing;
 mod hand;
@@ -38,10 +43,12 @@ mod panes;
 mod parts;
 mod picking;
 mod pictures;
+mod presence;
 mod priorities;
 mod questions;
 pub mod recovery;
 mod saving;
+mod scribe;
 mod script;
 mod seeds;
 mod settling;

@@ -2,7 +2,9 @@
 
 use super::adding;
 use super::app::Order;
+use super::bringing::Outside;
 use super::closeups::{Closeups, Near};
+use super::dock::{Pane, SIMPLER};
 use super::document::{Document, Edit};
 use super::drawings::Drawings;
 use super::form::{self, Change, Sheet};
@@ -19,94 +21,17 @@ use crate::render::forest::ForestError;
 use crate::species::fault::Fault;
 use crate::species::syntax::Node;
 use crate::viewer::loader::Stage;
-use crate::viewer::panel;
 use crate::viewer::settings::{Arrangement, Settings, Sun};
 use crate::viewer::{Subject, Viewport};
+use crate::viewer::{legend, panel};
 use eframe::egui::{self, Align2, RichText, Ui, vec2};
-use egui_tiles::{Behavior, Tile, TileId, Tiles, Tree, UiResponse};
+use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::Duration;
 
 /// How often the word of what is being done moves.
 pub(super) const BUSY: Duration = Duration::from_millis(200);
-
-/// A part of the window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Pane {
-    Tree,
-    Outline,
-    Fields,
-    Seeds,
-    Script,
-    Lods,
-    Atlas,
-    Shadows,
-    View,
-}
-
-impl Pane {
-    fn title(self) -> &'static str {
-        match self {
-            Self::Tree => "Tree",
-            Self::Outline => "Parts",
-            Self::Fields => "Fields",
-            Self::Seeds => "Seeds",
-            Self::Script => "Script",
-            Self::Lods => "LODs",
-            Self::Atlas => "Atlas",
-            Self::Shadows => "Shadows",
-            Self::View => "View",
-        }
-    }
-}
-
-/// How the panes stand at first.
-pub(super) fn dock() -> Tree<Pane> {
-    let mut tiles = Tiles::default();
-    let [
-        tree,
-        outline,
-        fields,
-        seeds,
-        script,
-        lods,
-        atlas,
-        shadows,
-        view,
-    ] = [
-        Pane::Tree,
-        Pane::Outline,
-        Pane::Fields,
-        Pane::Seeds,
-        Pane::Script,
-        Pane::Lods,
-        Pane::Atlas,
-        Pane::Shadows,
-        Pane::View,
-    ]
-    .map(|pane| tiles.insert_pane(pane));
-    let left = tiles.insert_tab_tile(vec![outline]);
-    let middle = tiles.insert_tab_tile(vec![tree]);
-    let upper = tiles.insert_tab_tile(vec![fields, seeds, lods, atlas, shadows, view]);
-    let lower = tiles.insert_tab_tile(vec![script]);
-    let right = tiles.insert_vertical_tile(vec![upper, lower]);
-    let root = tiles.insert_horizontal_tile(vec![left, middle, right]);
-    for (tabs, active) in [(upper, fields), (lower, script)] {
-        if let Some(Tile::Container(egui_tiles::Container::Tabs(tabs))) = tiles.get_mut(tabs) {
-            tabs.set_active(active);
-        }
-    }
-    if let Some(Tile::Container(egui_tiles::Container::Linear(linear))) = tiles.get_mut(root) {
-        for (tile, share) in [(left, 0.55), (middle, 2.0), (right, 1.25)] {
-            linear.shares.set_share(tile, share);
-        }
-    }
-    if let Some(Tile::Container(egui_tiles::Container::Linear(linear))) = tiles.get_mut(right) {
-        linear.shares.set_share(upper, 1.5);
-    }
-    Tree::new(egui::Id::unique("studio dock"), root, tiles)
-}
 
 /// What panes see of the studio.
 pub(super) struct Panes<'a> {
@@ -166,6 +91,10 @@ impl Behavior<Pane> for Panes<'_> {
             }),
         }
         UiResponse::None
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SIMPLER
     }
 
     fn tab_title_for_pane(&mut self, pane: &Pane) -> egui::WidgetText {
@@ -248,6 +177,9 @@ impl Panes<'_> {
                     ui.horizontal(|ui| {
                         #[expect(clippy::cast_precision_loss, reason = "a few levels")]
                         ui.add_space(page.depth as f32 * 10.0);
+                        if page.section == Section::Levels {
+                            self.swatch(ui, page);
+                        }
                         let is_selected = page.path == self.selected;
                         let row = egui::Button::selectable(is_selected, &page.title);
                         let is_item = outline::number(&page.path).is_some();
@@ -266,6 +198,18 @@ impl Panes<'_> {
                 }
             }
         });
+    }
+
+    /// The colour of a level's page where the picture shows levels by their colours.
+    fn swatch(&self, ui: &mut Ui, page: &Page) {
+        let tree = self
+            .subject
+            .and_then(Subject::asset)
+            .map(|asset| &asset.tree);
+        let grown = tree.and_then(|tree| legend::place(tree, &page.title));
+        let place = grown.or_else(|| outline::number(&page.path));
+        legend::swatch(ui, place.unwrap_or(0))
+            .on_hover_text("Its colour in the view \"Level colours\" (V)");
     }
 
     /// Lets a row be dragged to another place of its list.
@@ -349,6 +293,7 @@ impl Panes<'_> {
                     faults: self.faults,
                     is_trunk: page.path == "levels.0",
                     drawings: self.drawings,
+                    within: None,
                 };
                 form::page(ui, sheet, (node, page.table), &page.path, &mut changes);
                 self.orders.extend(changes.into_iter().map(Order::Change));
@@ -362,7 +307,10 @@ impl Panes<'_> {
                 match Editor::of(&page.path, node) {
                     Some(editor) => editor.ui(ui, changes),
                     None => {
-                        ui.weak("Its points are in a file of their own.");
+                        let species = self.document.reading().species.as_ref().ok();
+                        let outside = species.and_then(|s| Outside::of(&page.path, node, s));
+                        let text = self.document.text();
+                        changes.extend(outside.and_then(|outside| outside.ui(ui, text)));
                     }
                 }
                 ui.separator();

@@ -3,15 +3,18 @@
 use super::budgets::list;
 use super::document::Edit;
 use super::form::Change;
+use super::outline;
 use super::panes::named;
 use crate::species::schema::{Lod, LodSelector, Simplification};
+use crate::species::syntax::Node;
 use eframe::egui::{self, ComboBox, Frame, Id, RichText, Stroke, Ui};
 
 /// A simplification that is dragged: its place in the order.
 struct Dragged(usize);
 
 /// The selector and the order as widgets; what they ask for goes into `changes`.
-pub(super) fn ui(ui: &mut Ui, lod: &Lod, changes: &mut Vec<Change>) {
+pub(super) fn ui(ui: &mut Ui, root: &Node, lod: &Lod, changes: &mut Vec<Change>) {
+    let written = outline::field(root, "lod").and_then(|lod| outline::field(lod, "priorities"));
     ui.horizontal_wrapped(|ui| {
         selector(ui, lod.selector, changes);
         let label = ui.label("and simplified in this order");
@@ -30,7 +33,7 @@ pub(super) fn ui(ui: &mut Ui, lod: &Lod, changes: &mut Vec<Change>) {
                 && let Some(what) = lod.priorities.get(from)
             {
                 let name = format!("Try {what:?} in another place");
-                let edit = moved(&lod.priorities, [from, to]);
+                let edit = moved(&lod.priorities, written.is_some(), [from, to]);
                 changes.push(Change::Edit(name, None, edit));
             }
         }
@@ -130,8 +133,12 @@ fn item(ui: &mut Ui, index: usize, count: usize, what: Simplification) -> Option
     wanted
 }
 
-/// Moves one of the order.
-fn moved(priorities: &[Simplification], [from, to]: [usize; 2]) -> Edit {
+/// Moves one of the order, which the text holds or means.
+fn moved(priorities: &[Simplification], is_written: bool, [from, to]: [usize; 2]) -> Edit {
+    if is_written {
+        let path = format!("lod.priorities.{from}");
+        return Edit::Reorder { path, to };
+    }
     let mut priorities = priorities.to_vec();
     let one = priorities.remove(from);
     priorities.insert(to.min(priorities.len()), one);
@@ -157,15 +164,18 @@ mod tests {
         let list = "[\n Splines, // first\n Branches, Levels]";
         let list = format!("lod: (priorities: {list}), format:");
         for text in [BLANK.to_owned(), BLANK.replacen("format:", &list, 1)] {
+            let is_written = text != BLANK;
             let mut document = Document::new(text);
             for (places, expected) in [
                 ([2, 0], [Levels, Splines, Branches]),
                 ([0, 1], [Splines, Levels, Branches]),
                 ([2, 1], [Splines, Branches, Levels]),
             ] {
-                let edit = moved(&order(&document), places);
+                let is_there = document.text().contains("priorities");
+                let edit = moved(&order(&document), is_there, places);
                 document.apply("Move", None, edit).unwrap();
                 assert_eq!(order(&document), expected);
+                assert_eq!(document.text().contains("// first"), is_written);
             }
         }
     }

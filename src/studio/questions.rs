@@ -1,8 +1,8 @@
 //! Questions that are to be answered before anything else, over the window.
 
 use super::app::{Next, Order, Studio};
+use super::asking::{self, PATIENCE};
 use super::browser::{Browser, Done};
-use super::document::Document;
 use super::dropping::Copy;
 use super::export::{Asked, Form};
 use super::palette::Palette;
@@ -68,10 +68,15 @@ impl Studio {
                 self.renew();
             }
             Answer::SaveTo(browser, path, next) => {
-                if path.exists() && !is_same(&path, self.document.path()) {
-                    self.question = Some(Question::Replace(browser, path, next));
-                } else {
-                    self.save(ui, Some(&path), next);
+                let (there, own) = (path.clone(), self.document.path().map(Path::to_owned));
+                let is_other = move || there.exists() && !is_same(&there, own.as_deref());
+                match asking::within(PATIENCE, is_other) {
+                    Some(true) => self.question = Some(Question::Replace(browser, path, next)),
+                    Some(false) => self.save(ui, Some(&path), next),
+                    None => {
+                        self.say(ui, format!("{} does not answer", path.display()));
+                        self.question = Some(Question::SaveAs(browser, next));
+                    }
                 }
             }
             Answer::Replace(path, next) => self.save(ui, Some(&path), next),
@@ -80,12 +85,7 @@ impl Studio {
             Answer::Export(out, asked) => self.export(ui, out, asked),
             Answer::Copy(copy) => self.copy_picture(copy),
             Answer::Recover(left, rest) => {
-                let note = left.note.clone();
-                self.replace(Document::recovered(note));
-                // The text is in this window's journal now, if there is one.
-                if self.keep() {
-                    let _ = left.discard();
-                }
+                self.take_over(left);
                 // One window holds one text: the next one offers the others.
                 if !rest.is_empty() {
                     let count = rest.len();

@@ -1,6 +1,7 @@
 //! Keeps the window and the settings that outlive it in step.
 
 use super::app::Studio;
+use super::dock::Layout;
 use super::kept::{SCALES, Theme};
 use super::menu::Scale;
 use eframe::egui::{ThemePreference, Ui};
@@ -14,6 +15,9 @@ impl Studio {
             self.observe(ui);
         } else {
             self.is_settled = true;
+            let screen = ui.input(|input| input.viewport().monitor_size);
+            let zoom = ctx.zoom_factor();
+            self.kept.suit(screen.map_or(0.0, |screen| screen.y * zoom));
             ctx.set_theme(self.kept.now.theme);
             ctx.set_zoom_factor(self.kept.now.scale);
         }
@@ -40,6 +44,12 @@ impl Studio {
             ThemePreference::Light => Theme::Light,
             ThemePreference::System => Theme::System,
         };
+        // What is dragged stands somewhere once it is let go of.
+        if !ui.input(|input| input.pointer.any_down())
+            && let Some(layout) = Layout::of(&self.dock)
+        {
+            self.kept.now.dock = layout.text();
+        }
         let [least, most] = SCALES;
         let scale = ctx.zoom_factor();
         self.kept.now.scale = scale.clamp(least, most);

@@ -1,7 +1,7 @@
 //! First words: hints in a corner of a first window, and what the program is.
 
 use super::app::Studio;
-use super::panes::Pane;
+use super::dock::Pane;
 use eframe::egui::{self, Align2, RichText, Ui, vec2};
 
 /// What a first window says.
@@ -12,8 +12,10 @@ const HINTS: [&str; 4] = [
     "Ctrl+S saves the script, Ctrl+E exports a pack, F1 shows all keys.",
 ];
 
-/// How far inside the view the hints stand, and how wide they are, points.
+/// How far inside the view the hints stand, below what is told of growing, and how wide they are, points. Lower they
+/// would hide the tree's foot and the person beside it.
 const INSIDE: f32 = 12.0;
+const BELOW: f32 = 34.0;
 const WIDTH: f32 = 420.0;
 
 impl Studio {
@@ -27,8 +29,8 @@ impl Studio {
         let view = view.unwrap_or_else(|| ui.ctx().content_rect());
         let mut dismissed = false;
         egui::Window::new("First steps")
-            .pivot(Align2::LEFT_BOTTOM)
-            .fixed_pos(view.left_bottom() + vec2(INSIDE, -INSIDE))
+            .pivot(Align2::LEFT_TOP)
+            .fixed_pos(view.left_top() + vec2(INSIDE, BELOW))
             .collapsible(false)
             .resizable(false)
             .show(ui.ctx(), |ui| {

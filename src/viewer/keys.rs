@@ -119,7 +119,7 @@ pub const KEYS: [(Line, &[(Key, Action)]); 13] = [
     (
         Line {
             keys: "V",
-            does: "next view: lit, LOD colours, wireframe, overdraw, ...",
+            does: "next view: lit, LOD colours, level colours, wireframe, ...",
         },
         &[(Key::V, Action::NextView)],
     ),

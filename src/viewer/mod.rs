@@ -9,6 +9,7 @@
 mod app;
 mod canvas;
 pub mod keys;
+pub mod legend;
 pub mod level;
 pub mod loader;
 pub mod pace;

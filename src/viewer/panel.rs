@@ -1,6 +1,7 @@
 //! The panel beside the view: every setting with its name, and what is shown in numbers.
 
 use super::keys;
+use super::legend;
 use super::level::Choice;
 use super::pace::{Frames, KEPT};
 use super::rig::Stance;
@@ -9,7 +10,7 @@ use super::split;
 use super::subject::Subject;
 use super::viewport::{Viewport, grouped};
 use crate::math::float;
-use crate::render::{Filter, LightMode};
+use crate::render::{Filter, LightMode, ViewMode};
 use eframe::egui::{self, Color32, RichText, Slider, Stroke, Ui, pos2, vec2};
 
 /// Seconds at the upper edge of the graph of frame times; what took longer is cut off there.
@@ -54,8 +55,8 @@ pub fn ui(
             ui.add_space(4.0);
             lods(ui, settings, view, subject);
         }
+        section(ui, "Picture", |ui| picture(ui, settings, subject));
         section(ui, "Frames", |ui| frames(ui, settings, view));
-        section(ui, "Picture", |ui| picture(ui, settings));
         section(ui, "Camera", |ui| asked.frame = camera(ui, settings, view));
         section(ui, "Sun", |ui| {
             let sun = &mut settings.sun;
@@ -163,7 +164,7 @@ fn percent(part: f32) -> String {
     format!("{:.0} %", part.min(9.99) * 100.0)
 }
 
-fn picture(ui: &mut Ui, settings: &mut Settings) {
+fn picture(ui: &mut Ui, settings: &mut Settings, subject: Option<&Subject>) {
     ui.horizontal(|ui| {
         for (arrangement, name) in [
             (Arrangement::Single, "One tree"),
@@ -182,6 +183,9 @@ fn picture(ui: &mut Ui, settings: &mut Settings) {
             ui.selectable_value(&mut settings.view, view, name);
         }
     });
+    if settings.view == ViewMode::Levels {
+        legend::ui(ui, subject);
+    }
     ui.add_enabled_ui(settings.arrangement == Arrangement::Single, |ui| {
         ui.checkbox(&mut settings.person, "Person beside the tree")
             .on_hover_text("1.75 m high, to see how large the tree is");

@@ -163,9 +163,10 @@ impl Default for Settings {
 }
 
 /// Views in the order in which a key goes through them, with their names.
-pub const VIEWS: [(ViewMode, &str); 6] = [
+pub const VIEWS: [(ViewMode, &str); 7] = [
     (ViewMode::Lit, "Lit"),
     (ViewMode::Lods, "LOD colours"),
+    (ViewMode::Levels, "Level colours"),
     (ViewMode::Wire, "Wireframe"),
     (ViewMode::Overdraw, "Overdraw"),
     (ViewMode::Normals, "Normals"),

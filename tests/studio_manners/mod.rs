@@ -1,5 +1,6 @@
 //! The studio's manners around documents: lists of folders, exports, the palette, what is kept, dropped files.
 
+use super::studio_view::wait;
 use super::*;
 use eframe::egui::{DroppedFile, DroppedFileHandle};
 use pleach::species::edit;
@@ -85,19 +86,19 @@ fn varied() -> String {
     templates::BLANK.replacen("seed: 1,\n", variations, 1)
 }
 
-fn on_file(path: &Path, text: &str) -> Result<Window, Failed> {
+pub(super) fn on_file(path: &Path, text: &str) -> Result<Window, Failed> {
     fs::write(path, text)?;
     Ok(window_at(Begin::new(Document::open(path)?)))
 }
 
-fn write(window: &mut Window, field: &str, text: &str) {
+pub(super) fn write(window: &mut Window, field: &str, text: &str) {
     window
         .get_by_role_and_label(Role::TextInput, field)
         .type_text(text);
     window.run_steps(3);
 }
 
-fn has(window: &Window, part: &str) -> bool {
+pub(super) fn has(window: &Window, part: &str) -> bool {
     window.query_all_by_label_contains(part).count() > 0
 }
 
@@ -108,7 +109,9 @@ pub(super) fn browsing() -> Outcome {
     fs::write(&oak, templates::BLANK)?;
     let mut window = on_file(&dir.path().join("a.ron"), templates::BLANK)?;
     press(&mut window, Modifiers::COMMAND, Key::O);
-    assert!(has(&window, "a.ron") && has(&window, "sub/"));
+    wait(&mut window, "the list", |w| {
+        has(w, "a.ron") && has(w, "sub/")
+    })?;
     picture(&mut window, "browser")?;
     write(&mut window, "Open a script", "nothing");
     assert!(!has(&window, "sub/"));
@@ -122,6 +125,7 @@ pub(super) fn browsing() -> Outcome {
     // By keys into the folder, and out of the list of it the script.
     press(&mut window, Modifiers::NONE, Key::ArrowDown);
     press(&mut window, Modifiers::NONE, Key::Enter);
+    wait(&mut window, "the script", |w| has(w, "oak.ron"))?;
     click(&mut window, "oak.ron");
     click(&mut window, "Open");
     assert_eq!(window.state().document().path(), Some(&*oak));

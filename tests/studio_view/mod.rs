@@ -8,7 +8,7 @@ use pleach::studio::{Studio, templates};
 use std::time::{Duration, Instant};
 
 /// A window on a script whose tree is there.
-fn grown(script: &str) -> Result<Window, libtest_mimic::Failed> {
+pub(super) fn grown(script: &str) -> Result<Window, libtest_mimic::Failed> {
     let mut window = on(script);
     until(&mut window, "the tree", |s| s.subject().is_some())?;
     window.run_steps(4);
@@ -20,7 +20,7 @@ fn view(window: &Window) -> Rect {
 }
 
 /// Lets the window run until the threads have brought something about.
-fn wait(window: &mut Window, what: &str, so: impl Fn(&Window) -> bool) -> Outcome {
+pub(super) fn wait(window: &mut Window, what: &str, so: impl Fn(&Window) -> bool) -> Outcome {
     let begun = Instant::now();
     while !so(window) {
         if begun.elapsed() > PATIENCE {
@@ -33,13 +33,13 @@ fn wait(window: &mut Window, what: &str, so: impl Fn(&Window) -> bool) -> Outcom
     Ok(())
 }
 
-fn handle(window: &Window, label: &str) -> Option<Pos2> {
+pub(super) fn handle(window: &Window, label: &str) -> Option<Pos2> {
     let found = window.query_by_role_and_label(Role::Slider, label);
     found.map(|node| node.rect().center())
 }
 
 /// Drags from one point of the window to another, in a few steps.
-fn drag(window: &mut Window, from: Pos2, by: Vec2) {
+pub(super) fn drag(window: &mut Window, from: Pos2, by: Vec2) {
     window.hover_at(from);
     window.run_steps(2);
     window.drag_at(from);
@@ -50,7 +50,7 @@ fn drag(window: &mut Window, from: Pos2, by: Vec2) {
     }
 }
 
-fn drop_at(window: &mut Window, at: Pos2) {
+pub(super) fn drop_at(window: &mut Window, at: Pos2) {
     window.drop_at(at);
     window.run_steps(3);
 }

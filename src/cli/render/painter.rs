@@ -281,6 +281,7 @@ pub(super) mod gpu {
         scene.view = match shot.look.view {
             Show::Lit => ViewMode::Lit,
             Show::Lods => ViewMode::Lods,
+            Show::Levels => ViewMode::Levels,
             Show::Normals => ViewMode::Normals,
             Show::Albedo => ViewMode::Albedo,
             Show::Overdraw => ViewMode::Overdraw,

@@ -44,6 +44,8 @@ struct Shared<'a> {
     tree: &'a Tree,
     /// By level: band in which its own branches move.
     bands: Vec<usize>,
+    /// By level: its number in the script, where there is no level of stools.
+    numbers: Vec<u8>,
     /// By level and prototype: [`flex::flexure`].
     flexures: Vec<Vec<f32>>,
     /// By level and prototype: area of all its leaves, and a part of that of its wood, at scale 1.
@@ -60,8 +62,11 @@ impl<'a> Shared<'a> {
             ranks.push(above);
         }
         let flexures = tree.levels.iter();
+        let stools = tree.levels.iter().filter(|l| l.kind == Kind::Stool).count();
+        let number = |level: usize| u8::try_from(level.saturating_sub(stools)).unwrap_or(u8::MAX);
         let mut shared = Self {
             tree,
+            numbers: (0..tree.levels.len()).map(number).collect(),
             bands: ranks.into_iter().map(|r| r.min(2)).collect(),
             flexures: flexures
                 .map(|l| l.prototypes.iter().map(flex::flexure).collect())
@@ -238,6 +243,8 @@ impl<'a> Swayer<'a> {
         for primitive in [&mut mesh.bark, &mut mesh.foliage] {
             primitive.sway.clear();
             primitive.sway.reserve_exact(primitive.vertices.len());
+            primitive.levels.clear();
+            primitive.levels.reserve_exact(primitive.vertices.len());
         }
         let root = Node {
             seat: (0, 0),
@@ -307,11 +314,13 @@ impl<'a> Swayer<'a> {
         };
         let tip = self.tip_of(node);
         if let Some(template) = outfit.template {
-            let sway = match template.material {
-                Material::Bark => &mut mesh.bark.sway,
-                Material::Foliage => &mut mesh.foliage.sway,
+            let primitive = match template.material {
+                Material::Bark => &mut mesh.bark,
+                Material::Foliage => &mut mesh.foliage,
             };
-            self.write(node, tip, template, &outfit.motion, sway);
+            let levels = primitive.levels.len() + template.vertices.len();
+            primitive.levels.resize(levels, self.shared.numbers[level]);
+            self.write(node, tip, template, &outfit.motion, &mut primitive.sway);
         }
         if !outfit.open {
             return;

@@ -32,6 +32,7 @@ fn fan(vertices: u16, tinted: bool) -> Primitive {
                 leaf: [-128, -1, 0, 127],
             })
             .collect(),
+        ..Primitive::default()
     }
 }
 
