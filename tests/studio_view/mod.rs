@@ -237,7 +237,10 @@ pub(super) fn spline() -> Outcome {
     picture(&mut window, "spline_points")?;
 
     // A drag is one step, and the point stays where it was let go of.
-    let by = vec2(24.0, 16.0);
+    // The tip can be turned, but not drawn out: across the branch.
+    let one = point(&window, "Point 1 of limb").expect("it is there");
+    let along = (at - one).normalized();
+    let by = vec2(-along.y, along.x) * 24.0;
     drag(&mut window, at, by);
     picture(&mut window, "spline_dragged")?;
     let held = point(&window, "Point 2 of limb").expect("it is there");
