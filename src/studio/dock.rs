@@ -58,11 +58,11 @@ const DEEPEST: usize = 12;
 pub(super) enum Layout {
     Pane(Pane),
     /// One behind another; the number is that of the one in front.
-    Tabs(Vec<Layout>, usize),
+    Tabs(Vec<Self>, usize),
     /// From the left to the right, each with its share of the width.
-    Row(Vec<(f32, Layout)>),
+    Row(Vec<(f32, Self)>),
     /// From the top to the bottom, each with its share of the height.
-    Column(Vec<(f32, Layout)>),
+    Column(Vec<(f32, Self)>),
 }
 
 /// Every pane has a tab, by which it can be taken elsewhere.
