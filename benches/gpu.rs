@@ -1,4 +1,4 @@
-//! All captures and the nine shadows of the olive, as they are baked again after an edit: by the processor, and by
+//! All captures and the nine shadows of three trees, as they are baked again after an edit: by the processor, and by
 //! whatever adapter there is. What the adapter is asked for is printed first, since on a software driver the
 //! processor's cores do its work too.
 
@@ -14,20 +14,26 @@ use pleach::mesh::{Coat, Flattener, Mesh};
 use pleach::report::Quiet;
 use pleach::shadow;
 use pleach::species::schema::{Bark, LeafLook, Species};
-use pleach::species::{self, NoFiles};
+use pleach::species::{self, Beside};
 use pleach::texture;
 use pleach::tree::{Limits, Tree, grow};
+use std::path::Path;
 use std::sync::OnceLock;
+
+/// A crown of many small cards, a larger one, and fronds of long ones.
+const SPECIES: [&str; 3] = ["olive", "english_oak", "palm"];
 
 fn main() {
     match baker() {
         Some(baker) => {
             println!("adapter: {}", baker.gpu().describe());
-            let subject = Subject::new();
-            let (baked, first) = subject.captures(baker);
-            println!("captures: {first:?}");
-            subject.shadows(baker, &baked);
-            println!("shadows: {:?}", baker.take_tally());
+            for slug in SPECIES {
+                let subject = Subject::new(slug);
+                let (baked, first) = subject.captures(baker);
+                println!("{slug}: captures: {first:?}");
+                subject.shadows(baker, &baked);
+                println!("{slug}: shadows: {:?}", baker.take_tally());
+            }
         }
         None => println!("no adapter: the processor alone"),
     }
@@ -60,7 +66,7 @@ impl LeafArtwork for Drawn {
     }
 }
 
-/// The olive with all that does not change from bake to bake.
+/// A tree with all that does not change from bake to bake.
 struct Subject {
     species: Species,
     tree: Tree,
@@ -70,19 +76,21 @@ struct Subject {
 }
 
 impl Subject {
-    fn new() -> Self {
-        let text = include_str!("../species/olive.ron");
-        let species = species::parse("olive.ron", text, &NoFiles).expect("a sound script");
+    fn new(slug: &str) -> Self {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("species");
+        let name = format!("{slug}.ron");
+        let text = std::fs::read_to_string(folder.join(&name)).expect("a script that is shipped");
+        let species = species::parse(&name, &text, &Beside(folder)).expect("a sound script");
         let tree = grow(&species, 2, &Limits::default()).expect("within the limits");
         let card = |kind: &species::schema::LeafKind| {
             let LeafLook::Drawn(art) = &kind.look else {
-                panic!("the olive's leaves are drawn");
+                panic!("all leaves are drawn");
             };
             let aspect = kind.width_m / kind.length_m;
             (aspect, texture::leaf(kind, art, art.state, 2, 256, 256))
         };
         let Bark::Drawn(art) = &species.bark else {
-            panic!("the olive's bark is drawn");
+            panic!("all bark is drawn");
         };
         Self {
             plan: Plan::of(&tree),
@@ -125,48 +133,48 @@ impl Subject {
     }
 }
 
-#[divan::bench(sample_count = 10)]
-fn captures_by_the_processor(bencher: Bencher) {
-    let subject = Subject::new();
+#[divan::bench(args = SPECIES, sample_count = 10)]
+fn captures_by_the_processor(bencher: Bencher, slug: &str) {
+    let subject = Subject::new(slug);
     bencher.bench(|| black_box(&subject).captures(&capture::Cpu));
 }
 
-#[divan::bench(sample_count = 10)]
-fn captures_by_the_adapter(bencher: Bencher) {
-    let subject = Subject::new();
+#[divan::bench(args = SPECIES, sample_count = 10)]
+fn captures_by_the_adapter(bencher: Bencher, slug: &str) {
+    let subject = Subject::new(slug);
     if let Some(baker) = baker() {
         bencher.bench(|| black_box(&subject).captures(baker));
     }
 }
 
-#[divan::bench(sample_count = 10)]
-fn shadows_by_the_processor(bencher: Bencher) {
-    let subject = Subject::new();
+#[divan::bench(args = SPECIES, sample_count = 10)]
+fn shadows_by_the_processor(bencher: Bencher, slug: &str) {
+    let subject = Subject::new(slug);
     let (baked, _) = subject.captures(&capture::Cpu);
     bencher.bench(|| subject.shadows(&shadow::Cpu, black_box(&baked)));
 }
 
-#[divan::bench(sample_count = 10)]
-fn shadows_by_the_adapter(bencher: Bencher) {
-    let subject = Subject::new();
+#[divan::bench(args = SPECIES, sample_count = 10)]
+fn shadows_by_the_adapter(bencher: Bencher, slug: &str) {
+    let subject = Subject::new(slug);
     let (baked, _) = subject.captures(&capture::Cpu);
     if let Some(baker) = baker() {
         bencher.bench(|| subject.shadows(baker, black_box(&baked)));
     }
 }
 
-#[divan::bench(sample_count = 10)]
-fn all_by_the_processor(bencher: Bencher) {
-    let subject = Subject::new();
+#[divan::bench(args = SPECIES, sample_count = 10)]
+fn all_by_the_processor(bencher: Bencher, slug: &str) {
+    let subject = Subject::new(slug);
     bencher.bench(|| {
         let (baked, _) = black_box(&subject).captures(&capture::Cpu);
         subject.shadows(&shadow::Cpu, &baked)
     });
 }
 
-#[divan::bench(sample_count = 10)]
-fn all_by_the_adapter(bencher: Bencher) {
-    let subject = Subject::new();
+#[divan::bench(args = SPECIES, sample_count = 10)]
+fn all_by_the_adapter(bencher: Bencher, slug: &str) {
+    let subject = Subject::new(slug);
     if let Some(baker) = baker() {
         bencher.bench(|| {
             let (baked, _) = black_box(&subject).captures(baker);

@@ -1,4 +1,4 @@
-// What both halves of capturing read: all shots lie side by side on one sheet of samples.
+// What all passes of capturing read: all shots lie side by side on one sheet of samples.
 
 // One orthographic picture.
 struct Shot {
@@ -15,15 +15,12 @@ struct Shot {
     // Samples across and down, and where they lie on the sheet.
     samples: vec2<u32>,
     place: vec2<u32>,
-    // Texels across and down, and the first one's place in the output.
-    texels: vec2<u32>,
-    first: u32,
-    // The grid that darkens it: its first cell, corner, edge of a cell in metres, cells along x, y, z.
-    cells: u32,
+    // The grid that darkens it: its corner, edge of a cell in metres, cells along x, y, z.
     corner: vec3<f32>,
     cell: f32,
     size: vec3<u32>,
-    unused: u32,
+    // The column where it begins in the picture of all grids, in which one z lies below the other.
+    column: u32,
 }
 
 struct Sheet {
@@ -31,8 +28,7 @@ struct Sheet {
     size: vec2<f32>,
     // Samples along the edge of a texel.
     supersample: u32,
-    // Number of captures that the atlas holds.
-    reliefs: u32,
+    unused: u32,
     // Width and height of the finest mip, and number of mips.
     bark: vec4<u32>,
     foliage: vec4<u32>,
@@ -41,7 +37,8 @@ struct Sheet {
 @group(0) @binding(0) var<uniform> sheet: Sheet;
 @group(0) @binding(1) var<uniform> shot: Shot;
 
-// The depth offset that 1 stands for in what a sample sees, metres: more than any capture in the picture has.
-fn reach() -> f32 {
-    return 8.0 * max(shot.half.x, shot.half.y);
+// A triangle that covers the whole viewport.
+fn everywhere(vertex: u32) -> vec4<f32> {
+    let corner = vec2<u32>(vertex, vertex >> 1u) & vec2<u32>(1u);
+    return vec4<f32>(vec2<f32>(corner) * 4.0 - 1.0, 0.0, 1.0);
 }

@@ -1,20 +1,8 @@
 // How much light from all around reaches each cell of the grids that darken the inside of crowns.
 // `src/capture/occlusion.rs` is the processor's twin, and says why.
 
-struct Grid {
-    // Cells along x, y and z.
-    size: vec3<u32>,
-    // The first cell's place among those of all grids.
-    first: u32,
-    // Edge of a cell, metres.
-    cell: f32,
-    unused: array<u32, 3>,
-}
-
-@group(0) @binding(0) var<storage, read> grids: array<Grid>;
-// Optical depth per metre.
-@group(0) @binding(1) var<storage, read> density: array<f32>;
-@group(0) @binding(2) var<storage, read_write> open: array<f32>;
+// Optical depth per metre of all grids, side by side.
+@group(0) @binding(2) var density: texture_2d<f32>;
 
 const DIAGONAL: f32 = 0.57735027;
 const DIRECTIONS: u32 = 14u;
@@ -31,36 +19,32 @@ fn direction(index: u32) -> vec3<f32> {
 }
 
 // The part of light that comes through; a cell does not shade itself.
-fn transmittance(grid: Grid, middle: vec3<f32>, direction: vec3<f32>) -> f32 {
-    let size = vec3<f32>(grid.size);
+fn transmittance(middle: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let size = vec3<f32>(shot.size);
     var depth = 0.0;
     var at = middle + direction * 1.2;
-    while all(at >= vec3<f32>(0.0)) && all(at < size) {
+    while all(at >= vec3<f32>(0.0)) && all(at < size) && depth <= 6.0 {
         let cell = vec3<u32>(at);
-        depth += density[grid.first + (cell.z * grid.size.y + cell.y) * grid.size.x + cell.x] * grid.cell;
-        if depth > 6.0 {
-            break;
-        }
+        let place = vec2<u32>(shot.column + cell.x, cell.z * shot.size.y + cell.y);
+        depth += textureLoad(density, place, 0).r * shot.cell;
         at += direction;
     }
     return exp(-depth);
 }
 
-@compute @workgroup_size(64)
-fn cs_light(@builtin(global_invocation_id) id: vec3<u32>) {
-    let grid = grids[id.y];
-    if id.x >= grid.size.x * grid.size.y * grid.size.z {
-        return;
-    }
-    let cell = vec3<u32>(
-        id.x % grid.size.x,
-        id.x / grid.size.x % grid.size.y,
-        id.x / (grid.size.x * grid.size.y),
-    );
+@vertex
+fn vs_light(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
+    return everywhere(vertex);
+}
+
+@fragment
+fn fs_light(@builtin(position) at: vec4<f32>) -> @location(0) f32 {
+    let place = vec2<u32>(at.xy);
+    let cell = vec3<u32>(place.x - shot.column, place.y % shot.size.y, place.y / shot.size.y);
     let middle = vec3<f32>(cell) + 0.5;
     var sum = 0.0;
     for (var i = 0u; i < DIRECTIONS; i++) {
-        sum += transmittance(grid, middle, direction(i));
+        sum += transmittance(middle, direction(i));
     }
-    open[grid.first + id.x] = sum / f32(DIRECTIONS);
+    return sum / f32(DIRECTIONS);
 }

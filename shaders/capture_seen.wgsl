@@ -1,19 +1,13 @@
 // Captures, the first half: the surface that each sample sees, foliage alpha-tested. `src/capture/raster.rs` is the
 // processor's twin.
+//
+// Foliage is drawn many times over, so as little as possible is worked out for it here: which texel is seen, and
+// the normal, which needs the triangle. The rest is looked up once it is known what is in front.
 
-// A capture that the atlas holds: its place, and the length of its longer side, metres.
-struct Relief {
-    uv: vec4<f32>,
-    longer: f32,
-    unused: array<f32, 3>,
-}
-
-// Four words a texel: red and green; blue and occlusion; the normal's slopes; depth, roughness and translucency.
+// Four words a texel: red and green; blue and occlusion; the normal's slopes; roughness.
 @group(0) @binding(2) var bark: texture_2d<u32>;
-@group(0) @binding(3) var foliage: texture_2d<u32>;
-// 1 where the atlas has foliage.
-@group(0) @binding(4) var cutout: texture_2d<f32>;
-@group(0) @binding(5) var<storage, read> reliefs: array<Relief>;
+// A word a texel of the atlas: the normal's slopes, their lowest bit 1 where there is foliage.
+@group(0) @binding(3) var outlines: texture_2d<u32>;
 
 struct Vertex {
     @location(0) position: vec3<f32>,
@@ -23,112 +17,97 @@ struct Vertex {
     @location(4) tint: vec4<f32>,
 }
 
+// Normal and tangent are in view axes: to the right, up, toward the viewer.
 struct Corner {
     @builtin(position) clip: vec4<f32>,
-    @location(0) uv: vec2<f32>,
-    @location(1) normal: vec3<f32>,
-    @location(2) tangent: vec4<f32>,
-    @location(3) tint: vec3<f32>,
+    // The normal, and u.
+    @location(0) normal: vec4<f32>,
+    // The tangent, and v.
+    @location(1) tangent: vec4<f32>,
+    // The tint of bark, and which way the bitangent goes.
+    @location(2) tint: vec4<f32>,
+}
+
+fn seen_from_here(v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(v, shot.right.xyz), dot(v, shot.up.xyz), dot(v, shot.toward.xyz));
 }
 
 @vertex
 fn vs_capture(vertex: Vertex) -> Corner {
-    let p = vertex.position - shot.centre.xyz;
-    let across = dot(p, shot.right.xyz) / shot.half.x * 0.5 + 0.5;
-    let down = 0.5 - dot(p, shot.up.xyz) / shot.half.y * 0.5;
-    let at = vec2<f32>(across, down) * vec2<f32>(shot.samples) + vec2<f32>(shot.place);
-    let sample = at / sheet.size;
-    let depth = (dot(p, shot.toward.xyz) - shot.depth.x) * shot.depth.y;
+    let p = seen_from_here(vertex.position - shot.centre.xyz);
+    let part = vec2<f32>(0.5) + vec2<f32>(p.x, -p.y) / shot.half * 0.5;
+    let sample = (part * vec2<f32>(shot.samples) + vec2<f32>(shot.place)) / sheet.size;
+    let depth = (p.z - shot.depth.x) * shot.depth.y;
     var out: Corner;
     out.clip = vec4<f32>(sample.x * 2.0 - 1.0, 1.0 - sample.y * 2.0, depth, 1.0);
-    out.uv = vertex.uv;
-    out.normal = vertex.normal;
-    out.tangent = vertex.tangent;
-    out.tint = vertex.tint.rgb;
+    out.normal = vec4<f32>(seen_from_here(vertex.normal), vertex.uv.x);
+    out.tangent = vec4<f32>(seen_from_here(vertex.tangent.xyz), vertex.uv.y);
+    out.tint = vec4<f32>(vertex.tint.rgb, vertex.tangent.w);
     return out;
 }
 
-// The mip whose texels are about as large as the samples. It is the same over all of a triangle, since the picture
-// is orthographic.
-fn mip_of(right: vec2<f32>, down: vec2<f32>, image: vec4<u32>) -> u32 {
-    var ratio = abs(right.x * down.y - right.y * down.x) * f32(image.x) * f32(image.y);
-    var level = 0u;
-    while ratio > 2.0 && level + 1u < image.z {
-        ratio *= 0.25;
-        level += 1u;
-    }
-    return level;
+// The mip whose texels are about as large as the samples: the finest with at most two a sample. It is the same over
+// all of a triangle, since the picture is orthographic.
+fn mip_of(uv: vec2<f32>, image: vec4<u32>) -> u32 {
+    let right = dpdx(uv);
+    let down = dpdy(uv);
+    let ratio = abs(right.x * down.y - right.y * down.x) * f32(image.x) * f32(image.y);
+    let log2 = i32((bitcast<u32>(ratio) >> 23u) & 0xffu) - 127;
+    return u32(clamp((log2 + 1) >> 1u, 0, i32(image.z) - 1));
 }
 
 // Where the nearest texel of a mip lies, clamped at its edges. All mips are in one texture, from the second on in a
 // column beside the first: some drivers take one thread's level for all.
 fn nearest(uv: vec2<f32>, image: vec4<u32>, level: u32) -> vec2<u32> {
-    var corner = vec2<u32>(select(image.x, 0u, level == 0u), 0u);
-    for (var above = 1u; above < level; above++) {
-        corner.y += max(image.y >> above, 1u);
-    }
-    let size = max(image.xy >> vec2<u32>(level), vec2<u32>(1u));
+    let beside = vec2<u32>(image.x, image.y - (image.y >> (max(level, 1u) - 1u)));
+    let corner = select(beside, vec2<u32>(0u), level == 0u);
+    let size = image.xy >> vec2<u32>(level);
     return corner + min(vec2<u32>(max(uv * vec2<f32>(size), vec2<f32>(0.0))), size - 1u);
 }
 
-fn unit_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
-    let size = length(v);
-    return select(other, v / max(size, 1e-30), size > 1e-30);
-}
-
-// The mapped normal in view axes, facing the viewer.
-fn view_normal(in: Corner, slopes: vec2<f32>) -> vec3<f32> {
-    let mapped = vec3<f32>(slopes, sqrt(max(1.0 - dot(slopes, slopes), 0.0)));
-    let normal = unit_or(in.normal, vec3<f32>(0.0, 0.0, 1.0));
+// The mapped normal's slopes in view axes, facing the viewer.
+fn view_slopes(in: Corner, slopes: vec2<f32>) -> vec2<f32> {
+    let normal = in.normal.xyz * inverseSqrt(max(dot(in.normal.xyz, in.normal.xyz), 1e-30));
     let along = in.tangent.xyz - normal * dot(normal, in.tangent.xyz);
-    let tangent = unit_or(along, vec3<f32>(1.0, 0.0, 0.0));
-    let bitangent = cross(normal, tangent) * in.tangent.w;
+    let tangent = along * inverseSqrt(max(dot(along, along), 1e-30));
+    let bitangent = cross(normal, tangent) * in.tint.w;
     // The far side of a card mirrors the near one: its slopes stay, only its plane faces about.
-    let facing = select(normal, -normal, dot(normal, shot.toward.xyz) < 0.0);
-    let world = unit_or(tangent * mapped.x + bitangent * mapped.y + facing * mapped.z, facing);
-    let local = vec3<f32>(
-        dot(world, shot.right.xyz),
-        dot(world, shot.up.xyz),
-        max(dot(world, shot.toward.xyz), 0.02),
+    let facing = select(normal, -normal, normal.z < 0.0);
+    let steep = sqrt(max(1.0 - dot(slopes, slopes), 0.0));
+    let mapped = tangent * slopes.x + bitangent * slopes.y + facing * steep;
+    // A slope that leans past the horizon is seen at the horizon.
+    let seen = vec3<f32>(mapped.xy, max(mapped.z, 0.02));
+    return seen.xy * inverseSqrt(dot(seen, seen));
+}
+
+// Two words a sample, the highest bit of the first set. Colours are kept as their roots, which is about how fine
+// differences are seen.
+@fragment
+fn fs_bark(in: Corner) -> @location(0) vec2<u32> {
+    let uv = vec2<f32>(in.normal.w, in.tangent.w);
+    let level = mip_of(uv, sheet.bark);
+    let words = textureLoad(bark, nearest(uv - floor(uv), sheet.bark, level), 0);
+    let blue_open = unpack2x16unorm(words.y);
+    let colour = vec3<f32>(unpack2x16unorm(words.x), blue_open.x) * in.tint.rgb;
+    let roots = vec3<u32>(sqrt(colour) * 255.0 + 0.5);
+    let slopes = vec2<i32>(round(view_slopes(in, unpack2x16snorm(words.z)) * 2047.0));
+    let leans = vec2<u32>(slopes) & vec2<u32>(0xfffu);
+    let roughness = (words.w & 0xffu) >> 1u;
+    return vec2<u32>(
+        0x80000000u | roots.x | (roots.y << 8u) | (roots.z << 16u) | (roughness << 24u),
+        leans.x | (leans.y << 12u) | (u32(blue_open.y * 255.0 + 0.5) << 24u),
     );
-    return unit_or(local, vec3<f32>(0.0, 0.0, 1.0));
 }
 
-// Length of the longer side of the capture at a place in the atlas; 0 where there is none.
-fn longer_at(uv: vec2<f32>) -> f32 {
-    for (var i = 0u; i < sheet.reliefs; i++) {
-        let place = reliefs[i].uv;
-        if all(uv >= place.xy) && all(uv <= place.zw) {
-            return reliefs[i].longer;
-        }
-    }
-    return 0.0;
-}
-
-// As in the textures, but the normal in view axes, and depth from the surface in parts of the reach.
-fn packed(words: vec4<u32>, normal: vec3<f32>, depth: f32) -> vec4<u32> {
-    let last = (words.w & 0xffff0000u) | (pack2x16snorm(vec2<f32>(depth / reach(), 0.0)) & 0xffffu);
-    return vec4<u32>(words.xy, pack2x16snorm(normal.xy), last);
-}
-
+// Two words a sample: the texel's column and row; the normal's slopes.
 @fragment
-fn fs_bark(in: Corner) -> @location(0) vec4<u32> {
-    let level = mip_of(dpdx(in.uv), dpdy(in.uv), sheet.bark);
-    let words = textureLoad(bark, nearest(in.uv - floor(in.uv), sheet.bark, level), 0);
-    let normal = view_normal(in, unpack2x16snorm(words.z));
-    let red_green = pack2x16unorm(unpack2x16unorm(words.x) * in.tint.rg);
-    let blue_open = pack2x16unorm(unpack2x16unorm(words.y) * vec2<f32>(in.tint.b, 1.0));
-    return packed(vec4<u32>(red_green, blue_open, words.z, words.w & 0x00ffffffu), normal, 0.0);
-}
-
-@fragment
-fn fs_foliage(in: Corner) -> @location(0) vec4<u32> {
-    let level = mip_of(dpdx(in.uv), dpdy(in.uv), sheet.foliage);
-    let at = nearest(in.uv, sheet.foliage, level);
-    if textureLoad(cutout, at, 0).r < 0.5 {
+fn fs_foliage(in: Corner) -> @location(0) vec2<u32> {
+    let uv = vec2<f32>(in.normal.w, in.tangent.w);
+    let at = nearest(uv, sheet.foliage, mip_of(uv, sheet.foliage));
+    let outline = textureLoad(outlines, at, 0).r;
+    if (outline & 1u) == 0u {
         discard;
     }
-    let words = textureLoad(foliage, at, 0);
-    let normal = view_normal(in, unpack2x16snorm(words.z));
-    return packed(words, normal, unpack2x16snorm(words.w).x * longer_at(in.uv));
+    let slopes = view_slopes(in, unpack2x16snorm(outline));
+    return vec2<u32>(at.x | (at.y << 16u), pack2x16snorm(slopes));
 }

@@ -5,12 +5,10 @@
 @group(0) @binding(2) var seen: texture_2d<u32>;
 @group(0) @binding(3) var near: texture_depth_2d;
 // How much light reaches each cell of all grids.
-@group(0) @binding(4) var<storage, read> open: array<f32>;
-// Five words a texel: red and green; blue and occlusion; the normal's slopes; roughness, translucency and the
-// number of samples that see something; depth in metres.
-@group(0) @binding(5) var<storage, read_write> output: array<u32>;
-
-const WORDS: u32 = 5u;
+@group(0) @binding(4) var open: texture_2d<f32>;
+// Four words a texel: red and green; blue and occlusion; the depth from the surface in metres; roughness and
+// translucency.
+@group(0) @binding(5) var foliage: texture_2d<u32>;
 
 // How much light reaches a point, smooth between cells.
 fn open_at(point: vec3<f32>) -> f32 {
@@ -18,63 +16,111 @@ fn open_at(point: vec3<f32>) -> f32 {
     let base = floor(p);
     let part = p - base;
     let last = vec3<f32>(shot.size - 1u);
-    var sum = 0.0;
-    for (var corner = 0u; corner < 8u; corner++) {
-        let step = vec3<f32>(vec3<u32>(corner, corner >> 1u, corner >> 2u) & vec3<u32>(1u));
-        let weight = mix(1.0 - part, part, step);
-        let at = vec3<u32>(clamp(base + step, vec3<f32>(0.0), last));
-        let index = (at.z * shot.size.y + at.y) * shot.size.x + at.x;
-        sum += open[shot.cells + index] * weight.x * weight.y * weight.z;
-    }
-    return sum;
+    let low = vec3<u32>(clamp(base, vec3<f32>(0.0), last));
+    let high = vec3<u32>(clamp(base + 1.0, vec3<f32>(0.0), last));
+    let lower = open_in_plane(low, high, part.xy, low.z);
+    return mix(lower, open_in_plane(low, high, part.xy, high.z), part.z);
 }
 
-@compute @workgroup_size(8, 8)
-fn cs_texels(@builtin(global_invocation_id) id: vec3<u32>) {
-    let texel = id.xy;
-    if any(texel >= shot.texels) {
-        return;
-    }
+fn open_in_plane(low: vec3<u32>, high: vec3<u32>, part: vec2<f32>, z: u32) -> f32 {
+    let left = shot.column + low.x;
+    let right = shot.column + high.x;
+    let above = z * shot.size.y + low.y;
+    let below = z * shot.size.y + high.y;
+    let upper = mix(open_of(left, above), open_of(right, above), part.x);
+    return mix(upper, mix(open_of(left, below), open_of(right, below), part.x), part.y);
+}
+
+fn open_of(x: u32, y: u32) -> f32 {
+    return textureLoad(open, vec2<u32>(x, y), 0).r;
+}
+
+// The surface that a sample sees.
+struct Surface {
+    // Albedo and occlusion.
+    colour: vec4<f32>,
+    slopes: vec2<f32>,
+    // Roughness, translucency, and depth from the surface in metres.
+    rest: vec3<f32>,
+}
+
+// What the first half kept of bark.
+fn of_bark(words: vec2<u32>) -> Surface {
+    let roots = unpack4x8unorm(words.x).rgb;
+    let slopes = vec2<i32>(vec2<u32>(words.y << 20u, words.y << 8u)) >> vec2<u32>(20u);
+    let roughness = f32((words.x >> 24u) & 0x7fu) / 127.0;
+    let occlusion = f32(words.y >> 24u) / 255.0;
+    return Surface(
+        vec4<f32>(roots * roots, occlusion),
+        vec2<f32>(slopes) / 2047.0,
+        vec3<f32>(roughness, 0.0, 0.0),
+    );
+}
+
+fn of_foliage(words: vec2<u32>) -> Surface {
+    let texel = textureLoad(foliage, vec2<u32>(words.x & 0xffffu, words.x >> 16u), 0);
+    return Surface(
+        vec4<f32>(unpack2x16unorm(texel.x), unpack2x16unorm(texel.y)),
+        unpack2x16snorm(words.y),
+        vec3<f32>(unpack4x8unorm(texel.w).xy, bitcast<f32>(texel.z)),
+    );
+}
+
+@vertex
+fn vs_texels(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
+    return everywhere(vertex);
+}
+
+// Four words a texel: red and green; blue and occlusion; the number of samples that see something and the normal's
+// slopes of twelve bits; roughness, translucency, and the depth, from one reach below the shot's to two above.
+@fragment
+fn fs_texels(@builtin(position) position: vec4<f32>) -> @location(0) vec4<u32> {
     let n = sheet.supersample;
+    let first = vec2<u32>(position.xy) * n;
     var count = 0u;
-    // Albedo and occlusion; normal; roughness, translucency and depth.
     var colour = vec4<f32>(0.0);
     var normal = vec3<f32>(0.0);
+    // Roughness, translucency and depth.
     var rest = vec3<f32>(0.0);
     for (var y = 0u; y < n; y++) {
         for (var x = 0u; x < n; x++) {
-            let at = shot.place + texel * n + vec2<u32>(x, y);
+            let at = first + vec2<u32>(x, y);
             let nearness = textureLoad(near, at, 0);
             if nearness == 0.0 {
                 continue;
             }
-            let words = textureLoad(seen, at, 0);
-            let slopes = unpack2x16snorm(words.z);
-            let looks = unpack4x8unorm(words.w).zw;
-            let offset = unpack2x16snorm(words.w).x * reach();
-            let depth = shot.depth.x + nearness / shot.depth.y + offset;
-            colour += vec4<f32>(unpack2x16unorm(words.x), unpack2x16unorm(words.y));
+            let words = textureLoad(seen, at, 0).xy;
+            var surface: Surface;
+            if words.x >= 0x80000000u {
+                surface = of_bark(words);
+            } else {
+                surface = of_foliage(words);
+            }
+            let slopes = surface.slopes;
+            colour += surface.colour;
             normal += vec3<f32>(slopes, sqrt(max(1.0 - dot(slopes, slopes), 0.0)));
-            rest += vec3<f32>(looks, depth);
+            rest += surface.rest;
+            rest.z += shot.depth.x + nearness / shot.depth.y;
             count++;
         }
     }
-    let first = (shot.first + texel.y * shot.texels.x + texel.x) * WORDS;
     if count == 0u {
-        output[first + 3u] = 0u;
-        return;
+        return vec4<u32>(0u);
     }
     let share = 1.0 / f32(count);
     colour *= share;
     rest *= share;
-    let at = (vec2<f32>(texel) + 0.5) / vec2<f32>(shot.texels) * 2.0 - 1.0;
-    let point = shot.centre.xyz + shot.right.xyz * (at.x * shot.half.x)
-        - shot.up.xyz * (at.y * shot.half.y) + shot.toward.xyz * rest.z;
+    let middle = (position.xy * f32(n) - vec2<f32>(shot.place)) / vec2<f32>(shot.samples) * 2.0 - 1.0;
+    let point = shot.centre.xyz + shot.right.xyz * (middle.x * shot.half.x)
+        - shot.up.xyz * (middle.y * shot.half.y) + shot.toward.xyz * rest.z;
     colour.w *= open_at(point);
-    normal /= max(length(normal), 1e-30);
-    output[first] = pack2x16unorm(colour.xy);
-    output[first + 1u] = pack2x16unorm(colour.zw);
-    output[first + 2u] = pack2x16snorm(normal.xy);
-    output[first + 3u] = pack4x8unorm(vec4<f32>(rest.xy, 0.0, 0.0)) | (count << 16u);
-    output[first + 4u] = bitcast<u32>(rest.z);
+    let leans = vec2<u32>(vec2<i32>(round(normalize(normal).xy * 2047.0))) & vec2<u32>(0xfffu);
+    let reach = max(1.0 / shot.depth.y, 8.0 * max(shot.half.x, shot.half.y));
+    let depth = clamp(((rest.z - shot.depth.x) / reach + 1.0) / 3.0, 0.0, 1.0);
+    return vec4<u32>(
+        pack2x16unorm(colour.xy),
+        pack2x16unorm(colour.zw),
+        count | (leans.x << 8u) | (leans.y << 20u),
+        (pack4x8unorm(vec4<f32>(rest.xy, 0.0, 0.0)) & 0xffffu) | (u32(depth * 65535.0 + 0.5) << 16u),
+    );
 }

@@ -13,23 +13,35 @@ struct Job {
     first: u32,
     // Samples of a light.
     a_light: u32,
-    // Number of mips of the coverage.
-    mips: u32,
+    unused: u32,
+    // The coverage's texels across and down, and its number of mips.
+    coverage: vec4<u32>,
+}
+
+// What all samples of a light share.
+struct Light {
+    // Texels for a metre along X and Z.
+    a_metre: vec2<f32>,
+    // Stray of foliage along two directions, texels for a metre of height.
+    along: vec2<f32>,
+    across: vec2<f32>,
 }
 
 // The parallel projection of one sample's light.
 struct Projection {
-    // Where the world's origin falls, texels; texels for a metre along X and Z.
+    // Where the world's origin falls, texels.
     origin: vec2<f32>,
-    a_metre: vec2<f32>,
     // Texels that a shadow's place moves back for a metre of height.
     lean: vec2<f32>,
-    // Stray of foliage along two directions, texels for a metre of height.
-    along: vec2<f32>,
-    across: vec2<f32>,
     // Its part of the sum; its number among its light's samples.
     share: u32,
     number: u32,
+    unused: vec2<u32>,
+}
+
+// Those of a batch, as many as every adapter's uniforms hold.
+struct Batch {
+    samples: array<Projection, 512>,
 }
 
 struct Leaf {
@@ -40,24 +52,14 @@ struct Leaf {
     key: u32,
 }
 
-// One mip of the coverage.
-struct Level {
-    width: u32,
-    height: u32,
-    // Its texels for one of the full size.
-    scale: vec2<f32>,
-    // Its first texel, four to a word.
-    first: u32,
-    unused: u32,
-}
-
 @group(0) @binding(0) var<uniform> job: Job;
-@group(0) @binding(1) var<storage, read> projections: array<Projection>;
+@group(0) @binding(1) var<uniform> batch: Batch;
 @group(0) @binding(2) var<storage, read> points: array<f32>;
 @group(0) @binding(3) var<storage, read> bark: array<u32>;
 @group(0) @binding(4) var<storage, read> leaves: array<Leaf>;
-@group(0) @binding(5) var<storage, read> levels: array<Level>;
-@group(0) @binding(6) var<storage, read> coverage: array<u32>;
+@group(0) @binding(5) var<storage, read> lights: array<Light>;
+// All mips of the coverage: from the second on in a column beside the first.
+@group(0) @binding(6) var coverage: texture_2d<u32>;
 // One bit a texel of each of the batch's samples.
 @group(0) @binding(7) var<storage, read_write> masks: array<atomic<u32>>;
 
@@ -78,17 +80,18 @@ fn point(index: u32) -> vec3<f32> {
     return vec3<f32>(points[index * 3u], points[index * 3u + 1u], points[index * 3u + 2u]);
 }
 
+// Where a point's shadow falls; its X and Z are in texels already.
 fn shadow(sample: Projection, at: vec3<f32>) -> vec2<f32> {
-    return sample.origin + at.xz * sample.a_metre - at.y * sample.lean;
+    return sample.origin + at.xz - at.y * sample.lean;
 }
 
 // How far a piece of foliage strays in a sample; samples come in pairs of opposite ones.
-fn stray(sample: Projection, key: u32) -> vec2<f32> {
-    let bits = key + (sample.number + 1u) / 2u * STEP;
+fn stray(light: Light, number: u32, key: u32) -> vec2<f32> {
+    let bits = key + (number + 1u) / 2u * STEP;
     let along = (f32(bits & 0xffffu) + 0.5) / 65536.0 - 0.5;
     let across = (f32(bits >> 16u) + 0.5) / 65536.0 - 0.5;
-    let stray = sample.along * along + sample.across * across;
-    return select(-stray, stray, (sample.number & 1u) == 0u);
+    let stray = light.along * along + light.across * across;
+    return select(-stray, stray, (number & 1u) == 0u);
 }
 
 fn floor_log2(x: f32) -> i32 {
@@ -114,18 +117,16 @@ struct Cut {
     origin: vec2<f32>,
     right: vec2<f32>,
     down: vec2<f32>,
-    // The mip: its texels across, its last column and row, its first texel.
-    width: u32,
+    // The mip: where it lies, its last column and row.
+    corner: vec2<u32>,
     last: vec2<u32>,
-    first: u32,
     threshold: u32,
     solid: bool,
 }
 
 fn covered(cut: Cut, at: vec2<f32>) -> bool {
     let place = min(vec2<u32>(max(at, vec2<f32>(0.0))), cut.last);
-    let texel = cut.first + place.y * cut.width + place.x;
-    return ((coverage[texel / 4u] >> (texel % 4u * 8u)) & 0xffu) >= cut.threshold;
+    return textureLoad(coverage, cut.corner + place, 0).r >= cut.threshold;
 }
 
 // Marks the covered texels of one row's span. What other triangles have marked need not be looked at: most of it,
@@ -197,35 +198,42 @@ fn draw(cut: Cut, a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, mask: u32) {
 
 // The samples of the batch that belong to a light.
 fn samples_of(light: u32) -> vec2<u32> {
-    return vec2<u32>(
-        max(light * job.a_light, job.first),
-        min((light + 1u) * job.a_light, job.first + job.samples),
-    );
+    let first = max(light * job.a_light, job.first);
+    let end = min((light + 1u) * job.a_light, job.first + job.samples);
+    return vec2<u32>(first, max(first, end)) - job.first;
 }
 
-fn draw_bark(triangle: u32, light: u32) {
-    let a = point(bark[triangle * 3u]);
-    let b = point(bark[triangle * 3u + 1u]);
-    let c = point(bark[triangle * 3u + 2u]);
+// A corner, along X and Z in texels.
+fn corner(index: u32, light: Light) -> vec3<f32> {
+    let at = point(index);
+    return vec3<f32>(at.x * light.a_metre.x, at.y, at.z * light.a_metre.y);
+}
+
+fn draw_bark(triangle: u32, number: u32) {
+    let light = lights[number];
+    let a = corner(bark[triangle * 3u], light);
+    let b = corner(bark[triangle * 3u + 1u], light);
+    let c = corner(bark[triangle * 3u + 2u], light);
     var cut: Cut;
     cut.solid = true;
-    let range = samples_of(light);
+    let range = samples_of(number);
     for (var i = range.x; i < range.y; i++) {
-        let sample = projections[i];
-        let mask = (i - job.first) * job.row * job.size;
+        let sample = batch.samples[i];
+        let mask = i * job.row * job.size;
         draw(cut, shadow(sample, a), shadow(sample, b), shadow(sample, c), mask);
     }
 }
 
-fn draw_leaf(number: u32, light: u32) {
-    let leaf = leaves[number];
-    let at_a = point(leaf.corners[0]);
-    let at_b = point(leaf.corners[1]);
-    let at_c = point(leaf.corners[2]);
-    let range = samples_of(light);
+fn draw_leaf(triangle: u32, number: u32) {
+    let light = lights[number];
+    let leaf = leaves[triangle];
+    let at_a = corner(leaf.corners[0], light);
+    let at_b = corner(leaf.corners[1], light);
+    let at_c = corner(leaf.corners[2], light);
+    let range = samples_of(number);
     for (var i = range.x; i < range.y; i++) {
-        let sample = projections[i];
-        let away = stray(sample, leaf.key);
+        let sample = batch.samples[i];
+        let away = stray(light, sample.number, leaf.key);
         let a = shadow(sample, at_a) - at_a.y * away;
         let b = shadow(sample, at_b) - at_b.y * away;
         let c = shadow(sample, at_c) - at_c.y * away;
@@ -233,20 +241,23 @@ fn draw_leaf(number: u32, light: u32) {
         let to_c = c - a;
         let area = to_b.x * to_c.y - to_c.x * to_b.y;
         let index = clamp(floor_log2(leaf.uv_area / abs(area)) >> 1u, 0, leaf.last_level);
-        let level = levels[min(u32(index), job.mips - 1u)];
+        let level = min(u32(index), job.coverage.z - 1u);
+        let full = job.coverage.xy;
+        let size = full >> vec2<u32>(level);
+        let scale = vec2<f32>(size) / vec2<f32>(full);
+        let beside = vec2<u32>(full.x, full.y - (full.y >> (max(level, 1u) - 1u)));
         var cut: Cut;
         cut.solid = false;
-        cut.width = level.width;
-        cut.last = vec2<u32>(level.width, level.height) - 1u;
-        cut.first = level.first;
-        cut.threshold = max((sample.number * GOLDEN + (number + 1u) * SPREAD) >> 24u, 1u);
-        let uv_a = vec2<f32>(leaf.uv[0][0], leaf.uv[0][1]) * level.scale;
-        let uv_b = vec2<f32>(leaf.uv[1][0], leaf.uv[1][1]) * level.scale - uv_a;
-        let uv_c = vec2<f32>(leaf.uv[2][0], leaf.uv[2][1]) * level.scale - uv_a;
+        cut.corner = select(beside, vec2<u32>(0u), level == 0u);
+        cut.last = size - 1u;
+        cut.threshold = max((sample.number * GOLDEN + (triangle + 1u) * SPREAD) >> 24u, 1u);
+        let uv_a = vec2<f32>(leaf.uv[0][0], leaf.uv[0][1]) * scale;
+        let uv_b = vec2<f32>(leaf.uv[1][0], leaf.uv[1][1]) * scale - uv_a;
+        let uv_c = vec2<f32>(leaf.uv[2][0], leaf.uv[2][1]) * scale - uv_a;
         cut.origin = uv_a;
         cut.right = (uv_b * to_c.y - uv_c * to_b.y) / area;
         cut.down = (uv_c * to_b.x - uv_b * to_c.x) / area;
-        draw(cut, a, b, c, (i - job.first) * job.row * job.size);
+        draw(cut, a, b, c, i * job.row * job.size);
     }
 }
 
@@ -259,35 +270,42 @@ fn cs_hard(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
-// Two texels a word, light after light.
-@group(0) @binding(8) var<storage, read_write> sums: array<u32>;
+// The masks again, now that nothing is marked any more.
+@group(0) @binding(8) var<storage, read> marked: array<u32>;
+// Two texels a word, row by row, as many as the masks have bits, light after light.
+@group(0) @binding(9) var<storage, read_write> sums: array<u32>;
 
-// 1 if a sample's shadow lies on a texel.
-fn dark(sample: u32, texel: u32) -> u32 {
-    let x = texel % job.size;
-    let word = (sample * job.size + texel / job.size) * job.row + x / 32u;
-    return (atomicLoad(&masks[word]) >> (x % 32u)) & 1u;
+// Eight bits as eight numbers of sixteen bits.
+fn spread(bits: u32) -> vec4<u32> {
+    let pairs = vec4<u32>(bits) >> vec4<u32>(0u, 2u, 4u, 6u);
+    return (pairs & vec4<u32>(1u)) | ((pairs & vec4<u32>(2u)) << vec4<u32>(15u));
 }
 
+// Sixteen texels, half a word of the masks.
 @compute @workgroup_size(64)
 fn cs_sum(@builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_id) local: vec3<u32>,
 ) {
-    let texels = job.size * job.size;
-    let pairs = (texels + 1u) / 2u;
-    let pair = (group.y * groups.x + group.x) * 64u + local.x;
-    if pair >= pairs {
+    let words = job.row * job.size;
+    let half = (group.y * groups.x + group.x) * 64u + local.x;
+    if half >= words * 2u {
         return;
     }
     let range = samples_of(group.z);
-    let second = min(pair * 2u + 1u, texels - 1u);
-    var sum = 0u;
-    for (var sample = range.x; sample < range.y; sample++) {
-        let both = dark(sample - job.first, pair * 2u) | (dark(sample - job.first, second) << 16u);
-        sum += both * projections[sample].share;
+    var left = vec4<u32>(0u);
+    var right = vec4<u32>(0u);
+    for (var i = range.x; i < range.y; i++) {
+        let bits = marked[i * words + half / 2u] >> (half % 2u * 16u);
+        let share = batch.samples[i].share;
+        left += spread(bits) * share;
+        right += spread(bits >> 8u) * share;
     }
-    if sum != 0u {
-        sums[group.z * pairs + pair] += sum;
+    let first = (group.z * words * 2u + half) * 8u;
+    if any((left | right) != vec4<u32>(0u)) {
+        for (var i = 0u; i < 4u; i++) {
+            sums[first + i] += left[i];
+            sums[first + 4u + i] += right[i];
+        }
     }
 }

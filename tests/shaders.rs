@@ -130,23 +130,22 @@ fn levels_have_the_colours_that_programs_name() {
 
 #[test]
 fn structs_of_baking_lie_in_memory_as_the_shaders_read_them() {
-    let shot = members!(layout::Shot: right up toward centre half depth samples place texels first cells corner
-        cell size unused);
-    let sheet = members!(layout::Sheet: size supersample reliefs bark foliage);
-    for source in [&shader::CAPTURES_SEEN, &shader::CAPTURES_TEXELS] {
+    let shot = members!(layout::Shot: right up toward centre half depth samples place corner cell size column);
+    let sheet = members!(layout::Sheet: size supersample unused bark foliage);
+    for source in [
+        &shader::CAPTURES_LIGHT,
+        &shader::CAPTURES_SEEN,
+        &shader::CAPTURES_TEXELS,
+    ] {
         assert_eq!(layout_of(source, "Shot"), shot, "{}", source.name);
         assert_eq!(layout_of(source, "Sheet"), sheet, "{}", source.name);
     }
-    let relief = members!(layout::Relief: uv longer unused);
-    assert_eq!(layout_of(&shader::CAPTURES_SEEN, "Relief"), relief);
-    let grid = members!(layout::Grid: size first cell unused);
-    assert_eq!(layout_of(&shader::CAPTURES_LIGHT, "Grid"), grid);
-    let job = members!(layout::Job: size row bark leaves samples first a_light mips);
+    let job = members!(layout::Job: size row bark leaves samples first a_light unused coverage);
     assert_eq!(layout_of(&shader::SHADOWS, "Job"), job);
-    let projection = members!(layout::Projection: origin a_metre lean along across share number);
+    let light = members!(layout::Light: a_metre along across);
+    assert_eq!(layout_of(&shader::SHADOWS, "Light"), light);
+    let projection = members!(layout::Projection: origin lean share number unused);
     assert_eq!(layout_of(&shader::SHADOWS, "Projection"), projection);
-    let level = members!(layout::Level: width height scale first unused);
-    assert_eq!(layout_of(&shader::SHADOWS, "Level"), level);
     let leaf = members!(shadow::Leaf: corners uv uv_area last_level key);
     assert_eq!(layout_of(&shader::SHADOWS, "Leaf"), leaf);
 }

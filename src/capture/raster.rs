@@ -254,9 +254,8 @@ impl Visibility {
 }
 
 /// The capture that a place in the atlas belongs to.
-fn relief(reliefs: &[Relief], [u, v]: [f32; 2]) -> Option<usize> {
-    let holds = |r: &&Relief| (r.uv.u0..=r.uv.u1).contains(&u) && (r.uv.v0..=r.uv.v1).contains(&v);
-    reliefs.iter().position(|r| holds(&r))
+fn relief(reliefs: &[Relief], uv: [f32; 2]) -> Option<usize> {
+    reliefs.iter().position(|r| r.uv.holds(uv))
 }
 
 /// The mapped normal of a point on a triangle, in view axes, facing the viewer.

@@ -78,7 +78,7 @@ pub const CAPTURES_TEXELS: Source = Source {
 /// Captures: light inside crowns.
 pub const CAPTURES_LIGHT: Source = Source {
     name: "captures, light",
-    files: &[CAPTURE_LIGHT],
+    files: &[CAPTURE, CAPTURE_LIGHT],
 };
 
 /// Soft ground shadows.

@@ -1,7 +1,7 @@
 //! Groups of scenes that are drawn together: what lies where in their buffers and on their sheet.
 
-use super::captures::WORDS;
-use super::layout::{self, Grid};
+use super::develop::row_bytes;
+use super::layout;
 use super::sheet::Sheet;
 use crate::capture::{Scene, Shot};
 use crate::gpu::{Gpu, GpuError};
@@ -27,7 +27,7 @@ pub(super) fn too_large(gpu: &Gpu, scene: &Ready) -> GpuError {
     GpuError::TooLarge {
         what: "a captured sub-tree, bytes,",
         size: scene.bytes(),
-        limit: limits.max_storage_buffer_binding_size,
+        limit: limits.max_buffer_size,
     }
 }
 
@@ -69,61 +69,78 @@ pub(super) struct Group {
     pub(super) places: Vec<[u32; 2]>,
     pub(super) sheet: Sheet,
     pub(super) bytes: u64,
-    /// Texels of all shots.
-    pub(super) texels: u64,
-    /// Cells of all grids.
-    pub(super) cells: u64,
-    limit: u64,
+    /// Size of the picture of all grids, side by side.
+    pub(super) grids: [u32; 2],
+    supersample: u32,
+    /// Largest buffer, and largest edge of a texture.
+    limits: (u64, u32),
 }
 
 impl Group {
-    pub(super) fn new(gpu: &Gpu) -> Self {
+    pub(super) fn new(gpu: &Gpu, supersample: u32) -> Self {
         let limits = gpu.device.limits();
         Self {
             scenes: Vec::new(),
             places: Vec::new(),
             sheet: Sheet::new(limits.max_texture_dimension_2d),
             bytes: 0,
-            texels: 0,
-            cells: 0,
-            limit: limits
-                .max_storage_buffer_binding_size
-                .min(limits.max_buffer_size),
+            grids: [0, 0],
+            supersample,
+            limits: (limits.max_buffer_size, limits.max_texture_dimension_2d),
         }
     }
 
     /// Takes a scene, or gives it back if it is too much.
     pub(super) fn add(&mut self, scene: Ready) -> Option<Ready> {
         let bytes = scene.bytes();
-        let shots = &scene.scene.shots;
-        let texels: u64 = shots.iter().map(|s| area(s.texels)).sum();
+        let (buffer, edge) = self.limits;
         let most = if self.scenes.is_empty() {
-            self.limit
+            buffer
         } else {
-            self.limit.min(GROUP_BYTES)
+            buffer.min(GROUP_BYTES)
         };
-        let output = (self.texels + texels) * u64::from(WORDS) * 4;
         let mut sheet = self.sheet;
+        let shots = scene.scene.shots.iter();
         let places: Option<Vec<[u32; 2]>> = shots
-            .iter()
             .map(|s| sheet.place([s.view.width, s.view.height]))
             .collect();
-        let Some(places) = places.filter(|_| self.bytes + bytes <= most && output <= self.limit)
-        else {
+        let grids = grids_with(self.grids, &scene.scene);
+        let fits = self.bytes + bytes <= most
+            && bytes_back(sheet.size(), self.supersample) <= buffer
+            && grids.iter().all(|&n| n <= edge);
+        let Some(places) = places.filter(|_| fits) else {
             return Some(scene);
         };
         self.places.extend(places);
         self.sheet = sheet;
         self.bytes += bytes;
-        self.texels += texels;
-        self.cells += scene.scene.occlusion.density().len() as u64;
+        self.grids = grids;
         self.scenes.push(scene);
         None
     }
+
+    /// Texels of the sheet, across and down.
+    pub(super) fn texels(&self) -> [u32; 2] {
+        self.sheet.size().map(|n| n.div_ceil(self.supersample))
+    }
+
+    /// Bytes of the grids' densities.
+    pub(super) fn bytes_of_grids(&self) -> u64 {
+        let cells = |ready: &Ready| ready.scene.occlusion.density().len() as u64;
+        self.scenes.iter().map(cells).sum::<u64>() * 4
+    }
 }
 
-pub(super) fn area([width, height]: [u32; 2]) -> u64 {
-    u64::from(width) * u64::from(height)
+/// Size of the picture of grids with another scene's.
+fn grids_with([across, down]: [u32; 2], scene: &Scene) -> [u32; 2] {
+    let [width, height, depth] = scene.occlusion.size();
+    [across + width, down.max(height * depth)]
+}
+
+/// Bytes of all texels of a sheet on their way back.
+fn bytes_back(samples: [u32; 2], supersample: u32) -> u64 {
+    let [width, height] = samples.map(|n| n.div_ceil(supersample));
+    u64::from(row_bytes(width)) * u64::from(height)
 }
 
 /// Triangles of a mesh's bark or foliage in the buffers of a group.
@@ -139,7 +156,8 @@ pub(super) struct List {
     pub(super) shots: Vec<layout::Shot>,
     /// Bark and foliage of each shot.
     pub(super) parts: Vec<[Part; 2]>,
-    pub(super) grids: Vec<Grid>,
+    /// A shot of each grid.
+    pub(super) lit: Vec<usize>,
 }
 
 impl List {
@@ -147,7 +165,7 @@ impl List {
         let mut list = Self::default();
         let mut places = group.places.iter();
         let (mut first_index, mut first_vertex) = (0, 0);
-        let (mut first_texel, mut first_cell) = (0, 0);
+        let mut column = 0;
         for ready in &group.scenes {
             let mut part = |primitive: &Primitive| {
                 let part = Part {
@@ -163,26 +181,21 @@ impl List {
                 .map(|mesh| [&mesh.bark, &mesh.foliage].map(&mut part))
                 .collect();
             let occlusion = &ready.scene.occlusion;
-            list.grids.push(Grid {
-                size: occlusion.size(),
-                first: first_cell,
-                cell: occlusion.cell(),
-                unused: [0; 3],
-            });
+            if !ready.scene.shots.is_empty() {
+                list.lit.push(list.shots.len());
+            }
             for (shot, &place) in ready.scene.shots.iter().zip(&mut places) {
                 list.parts.push(parts[shot.mesh].clone());
                 list.shots.push(layout::Shot {
                     place,
-                    first: first_texel,
-                    cells: first_cell,
                     corner: occlusion.origin().to_array(),
                     cell: occlusion.cell(),
                     size: occlusion.size(),
+                    column,
                     ..described(shot, &ready.bounds[shot.mesh])
                 });
-                first_texel += count(usize::try_from(area(shot.texels)).unwrap_or(usize::MAX));
             }
-            first_cell += count(occlusion.density().len());
+            column += occlusion.size()[0];
         }
         list
     }
@@ -216,12 +229,9 @@ fn described(shot: &Shot, bounds: &Bounds) -> layout::Shot {
         depth,
         samples: [view.width, view.height],
         place: [0; 2],
-        texels: shot.texels,
-        first: 0,
-        cells: 0,
         corner: [0.0; 3],
         cell: 1.0,
         size: [1; 3],
-        unused: 0,
+        column: 0,
     }
 }

@@ -15,13 +15,18 @@ pub struct Shot {
     pub depth: [f32; 2],
     pub samples: [u32; 2],
     pub place: [u32; 2],
-    pub texels: [u32; 2],
-    pub first: u32,
-    pub cells: u32,
     pub corner: [f32; 3],
     pub cell: f32,
     pub size: [u32; 3],
-    pub unused: u32,
+    pub column: u32,
+}
+
+impl Shot {
+    /// The depth that a finished texel's 0 stands for, and that which 1 is more, metres.
+    pub(super) fn depths(&self) -> [f32; 2] {
+        let reach = (1.0 / self.depth[1]).max(8.0 * self.half[0].max(self.half[1]));
+        [self.depth[0] - reach, 3.0 * reach]
+    }
 }
 
 /// `Sheet` of `shaders/capture.wgsl`.
@@ -31,30 +36,9 @@ pub struct Shot {
 pub struct Sheet {
     pub size: [f32; 2],
     pub supersample: u32,
-    pub reliefs: u32,
+    pub unused: u32,
     pub bark: [u32; 4],
     pub foliage: [u32; 4],
-}
-
-/// `Relief` of `shaders/capture_seen.wgsl`.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-#[expect(missing_docs, reason = "the shader documents them")]
-pub struct Relief {
-    pub uv: [f32; 4],
-    pub longer: f32,
-    pub unused: [f32; 3],
-}
-
-/// `Grid` of `shaders/capture_light.wgsl`.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-#[expect(missing_docs, reason = "the shader documents them")]
-pub struct Grid {
-    pub size: [u32; 3],
-    pub first: u32,
-    pub cell: f32,
-    pub unused: [u32; 3],
 }
 
 /// `Job` of `shaders/shadow_bake.wgsl`.
@@ -69,7 +53,18 @@ pub struct Job {
     pub samples: u32,
     pub first: u32,
     pub a_light: u32,
-    pub mips: u32,
+    pub unused: u32,
+    pub coverage: [u32; 4],
+}
+
+/// `Light` of `shaders/shadow_bake.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+#[expect(missing_docs, reason = "the shader documents them")]
+pub struct Light {
+    pub a_metre: [f32; 2],
+    pub along: [f32; 2],
+    pub across: [f32; 2],
 }
 
 /// `Projection` of `shaders/shadow_bake.wgsl`.
@@ -78,22 +73,11 @@ pub struct Job {
 #[expect(missing_docs, reason = "the shader documents them")]
 pub struct Projection {
     pub origin: [f32; 2],
-    pub a_metre: [f32; 2],
     pub lean: [f32; 2],
-    pub along: [f32; 2],
-    pub across: [f32; 2],
     pub share: u32,
     pub number: u32,
+    pub unused: [u32; 2],
 }
 
-/// `Level` of `shaders/shadow_bake.wgsl`.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-#[expect(missing_docs, reason = "the shader documents them")]
-pub struct Level {
-    pub width: u32,
-    pub height: u32,
-    pub scale: [f32; 2],
-    pub first: u32,
-    pub unused: u32,
-}
+/// Samples of a batch, as in `Batch` of `shaders/shadow_bake.wgsl`.
+pub const BATCH: usize = 512;

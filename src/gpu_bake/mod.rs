@@ -1,18 +1,23 @@
 //! The graphics adapter as the second backend of captures and of ground shadows: for feedback at once while a
 //! tree is being made.
 //!
-//! Captures: all shots of a pass lie side by side on one sheet of samples. One render pass keeps the nearest
-//! surface of each sample, one compute pass averages them to texels and shades those, and one copy brings them
-//! back. Shadows: one thread a triangle and light marks texels in bit masks, which a second pass sums: no
-//! rasteriser is as quick with triangles of a few texels.
+//! Captures: all shots of a pass lie side by side on one sheet of samples. One render pass lights the grids of leaf
+//! density, one keeps the nearest surface of each sample in eight bytes, one averages them to texels and shades
+//! those, and one copy brings them back. Shadows: one thread a triangle and light marks texels in bit masks, which a
+//! second pass sums: no rasteriser is as quick with triangles of a few texels.
+//!
+//! Where there is a choice, it is what a software driver does fast: it has no time to lose, and a card does not
+//! mind. Such a driver reads storage buffers one thread after the other, textures and uniforms all at once.
 //!
 //! What comes out is equal to what the processor draws within a tolerance (`tests/gpu_bake.rs`), and may differ
 //! from adapter to adapter. So the bytes of packs come from the processor unless asked otherwise, and the
 //! manifest says it where they do not.
 
 mod captures;
+mod develop;
 mod group;
 pub mod layout;
+mod passes;
 mod shadows;
 mod sheet;
 mod upload;
@@ -28,7 +33,7 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Debug)]
 pub struct Baker {
     gpu: Gpu,
-    captures: captures::Pipelines,
+    captures: passes::Pipelines,
     shadows: shadows::Pipelines,
     tally: Mutex<Tally>,
 }
@@ -66,7 +71,7 @@ impl Baker {
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let baker = Self {
             gpu: gpu.clone(),
-            captures: captures::Pipelines::new(&gpu.device),
+            captures: passes::Pipelines::new(&gpu.device),
             shadows: shadows::Pipelines::new(&gpu.device),
             tally: Mutex::default(),
         };

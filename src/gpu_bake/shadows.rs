@@ -1,16 +1,17 @@
 //! Ground shadows on an adapter: batches of samples marked in bit masks and summed.
 
-use super::layout::{Job, Level, Projection};
-use super::{Baker, Tally, upload};
+use super::layout::{self, BATCH, Job, Projection};
+use super::{Baker, Tally, passes, upload};
 use crate::gpu::{Gpu, GpuError, shader};
 use crate::report::{Cancelled, MachineFault, Progress};
 use crate::shadow::{BakeError, Coverage, Light, Work};
+use bytemuck::Zeroable;
 use wgpu::{Buffer, BufferUsages};
 
 /// Bytes that the masks of a batch may have.
 const MASK_BYTES: u64 = 64 << 20;
 
-/// Triangles of a workgroup, and pairs of texels of one, as in `shaders/shadow_bake.wgsl`.
+/// Triangles of a workgroup, and half words of masks of one, as in `shaders/shadow_bake.wgsl`.
 const GROUP: u32 = 64;
 
 /// Workgroups along one axis: fewer than every adapter allows.
@@ -67,8 +68,7 @@ struct Bench<'a> {
     points: Buffer,
     bark: Buffer,
     leaves: Buffer,
-    levels: Buffer,
-    coverage: Buffer,
+    coverage: wgpu::TextureView,
 }
 
 impl<'a> Bench<'a> {
@@ -76,13 +76,12 @@ impl<'a> Bench<'a> {
         let gpu = &baker.gpu;
         let casters = work.casters;
         check(gpu, work)?;
-        let (levels, coverage) = packed(work.coverage);
+        let coverage = Mips::new(gpu, work.coverage)?;
         let bytes_up = size_of_val(&casters.points[..])
             + size_of_val(&casters.bark[..])
-            + size_of_val(&casters.leaves[..])
-            + size_of_val(&coverage[..]);
+            + size_of_val(&casters.leaves[..]);
         baker.count(Tally {
-            bytes_up: bytes_up as u64,
+            bytes_up: bytes_up as u64 + coverage.bytes,
             ..Tally::default()
         });
         Ok(Self {
@@ -95,19 +94,24 @@ impl<'a> Bench<'a> {
                 samples: 0,
                 first: 0,
                 a_light: count(work.lights.first().map_or(0, |l| l.samples.len())),
-                mips: count(levels.len()),
+                unused: 0,
+                coverage: coverage.about,
             },
             points: upload::storage(gpu, "points", &casters.points),
             bark: upload::storage(gpu, "bark", &casters.bark),
             leaves: upload::storage(gpu, "leaves", &casters.leaves),
-            levels: upload::storage(gpu, "levels", &levels),
-            coverage: upload::storage(gpu, "coverage", &coverage),
+            coverage: coverage.view,
         })
+    }
+
+    /// Words of a mask.
+    fn words(&self) -> u64 {
+        u64::from(self.job.row) * u64::from(self.job.size)
     }
 
     /// Words of one light's sums, two texels each.
     fn pairs(&self) -> u64 {
-        (u64::from(self.job.size) * u64::from(self.job.size)).div_ceil(2)
+        self.words() * 16
     }
 
     /// Lights whose sums fit one buffer.
@@ -123,13 +127,13 @@ impl<'a> Bench<'a> {
         let gpu = &self.baker.gpu;
         let words = self.pairs() * lights.len() as u64;
         let all: Vec<Projection> = lights.iter().flat_map(projections).collect();
-        let projections = upload::storage(gpu, "projections", &all);
-        let a_mask = u64::from(self.job.row) * u64::from(self.job.size) * 4;
-        let samples = usize::try_from(MASK_BYTES / a_mask).unwrap_or(1).max(1);
-        let samples = samples.min(ROW as usize);
+        let shared: Vec<layout::Light> = lights.iter().map(shared).collect();
+        let shared = upload::storage(gpu, "lights", &shared);
+        let samples = usize::try_from(MASK_BYTES / (self.words() * 4)).unwrap_or(1);
+        let samples = samples.clamp(1, BATCH);
         let masks = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let at_a_time = samples.min(all.len()).max(1) as u64;
-        let masks = upload::blank(gpu, "masks", a_mask / 4 * at_a_time, masks);
+        let masks = upload::blank(gpu, "masks", self.words() * at_a_time, masks);
         let output = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let output = upload::blank(gpu, "sums", words, output);
         let back = BufferUsages::COPY_DST | BufferUsages::MAP_READ;
@@ -148,8 +152,8 @@ impl<'a> Bench<'a> {
             };
             self.record(
                 &mut encoder,
-                &job,
-                &projections,
+                (&job, batch),
+                &shared,
                 (&masks, &output),
                 lights.len(),
             );
@@ -172,25 +176,28 @@ impl<'a> Bench<'a> {
     fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        job: &Job,
-        projections: &Buffer,
+        (job, batch): (&Job, &[Projection]),
+        shared: &Buffer,
         (masks, output): (&Buffer, &Buffer),
         lights: usize,
     ) {
         let gpu = &self.baker.gpu;
         let Pipelines { hard, sum } = &self.baker.shadows;
         let uniform = upload::uniform(gpu, "shadow job", job);
+        let mut samples = [Projection::zeroed(); BATCH];
+        samples[..batch.len()].copy_from_slice(batch);
+        let samples = upload::uniform(gpu, "samples", &samples);
         let of_hard = upload::bound(
             gpu,
             &hard.get_bind_group_layout(0),
             &[
                 (0, uniform.as_entire_binding()),
-                (1, projections.as_entire_binding()),
+                (1, samples.as_entire_binding()),
                 (2, self.points.as_entire_binding()),
                 (3, self.bark.as_entire_binding()),
                 (4, self.leaves.as_entire_binding()),
-                (5, self.levels.as_entire_binding()),
-                (6, self.coverage.as_entire_binding()),
+                (5, shared.as_entire_binding()),
+                (6, wgpu::BindingResource::TextureView(&self.coverage)),
                 (7, masks.as_entire_binding()),
             ],
         );
@@ -199,9 +206,9 @@ impl<'a> Bench<'a> {
             &sum.get_bind_group_layout(0),
             &[
                 (0, uniform.as_entire_binding()),
-                (1, projections.as_entire_binding()),
-                (7, masks.as_entire_binding()),
-                (8, output.as_entire_binding()),
+                (1, samples.as_entire_binding()),
+                (8, masks.as_entire_binding()),
+                (9, output.as_entire_binding()),
             ],
         );
         encoder.clear_buffer(masks, 0, None);
@@ -211,7 +218,8 @@ impl<'a> Bench<'a> {
         pass.set_bind_group(0, &of_hard, &[]);
         pass.dispatch_workgroups(triangles, count(lights), 1);
         drop(pass);
-        let groups = count(usize::try_from(self.pairs()).unwrap_or(usize::MAX)).div_ceil(GROUP);
+        let halves = usize::try_from(self.words() * 2).unwrap_or(usize::MAX);
+        let groups = count(halves).div_ceil(GROUP);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(sum);
         pass.set_bind_group(0, &of_sum, &[]);
@@ -223,11 +231,9 @@ impl<'a> Bench<'a> {
 fn check(gpu: &Gpu, work: &Work<'_>) -> Result<(), GpuError> {
     let casters = work.casters;
     let binding = gpu.device.limits().max_storage_buffer_binding_size;
-    let texels: usize = work.coverage.levels().iter().map(|l| l.texels.len()).sum();
     let leaves = size_of_val(&casters.leaves[..]).max(size_of_val(&casters.points[..]));
-    let map = u64::from(work.size) * u64::from(work.size) * 2;
+    let map = u64::from(work.size.div_ceil(32) * work.size) * 64;
     for (what, size, limit) in [
-        ("the foliage's coverage, bytes,", texels as u64, binding),
         ("what casts shadows, bytes,", leaves as u64, binding),
         ("a shadow map, bytes,", map, binding),
         (
@@ -248,36 +254,61 @@ fn count(things: usize) -> u32 {
     u32::try_from(things).unwrap_or(u32::MAX)
 }
 
-/// All mips in one list of bytes, four a word.
-fn packed(coverage: &Coverage) -> (Vec<Level>, Vec<u32>) {
-    let mut bytes = Vec::new();
-    let level = |level: &crate::shadow::Level| {
-        let first = count(bytes.len());
-        bytes.extend_from_slice(&level.texels);
-        Level {
-            width: level.width,
-            height: level.height,
-            scale: level.scale,
-            first,
-            unused: 0,
+/// All mips of the coverage, as those of captures lie.
+struct Mips {
+    view: wgpu::TextureView,
+    about: [u32; 4],
+    bytes: u64,
+}
+
+impl Mips {
+    fn new(gpu: &Gpu, coverage: &Coverage) -> Result<Self, GpuError> {
+        let levels = coverage.levels();
+        let (width, height) = (levels[0].width, levels[0].height);
+        let size = upload::size_with_mips(gpu, "foliage's coverage", [width, height])?;
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let format = wgpu::TextureFormat::R8Uint;
+        let texture = passes::texture(gpu, "coverage", format, size, usage);
+        let levels = &levels[..upload::mips(levels.len(), [width, height])];
+        let mut bytes = 0;
+        for (number, level) in (0..).zip(levels) {
+            let at = upload::corner_of_mip([width, height], number);
+            bytes += upload::write(
+                gpu,
+                &texture,
+                at,
+                [level.width, level.height],
+                &level.texels,
+            );
         }
-    };
-    let levels = coverage.levels().iter().map(level).collect();
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
-    let words = bytes.as_chunks::<4>().0.iter();
-    (levels, words.map(|w| u32::from_le_bytes(*w)).collect())
+        Ok(Self {
+            view: passes::whole(&texture),
+            about: [width, height, count(levels.len()), 0],
+            bytes,
+        })
+    }
+}
+
+fn shared(light: &Light) -> layout::Light {
+    let a_metre = light
+        .samples
+        .first()
+        .map_or([0.0; 2], |s| s.a_metre.to_array());
+    layout::Light {
+        a_metre,
+        along: light.stray.along.to_array(),
+        across: light.stray.across.to_array(),
+    }
 }
 
 fn projections(light: &Light) -> impl Iterator<Item = Projection> {
     let samples = light.samples.iter().zip(&light.shares).zip(0..);
     samples.map(|((sample, &share), number)| Projection {
         origin: sample.origin.to_array(),
-        a_metre: sample.a_metre.to_array(),
         lean: sample.lean.to_array(),
-        along: light.stray.along.to_array(),
-        across: light.stray.across.to_array(),
         share: u32::from(share),
         number,
+        unused: [0; 2],
     })
 }
 
@@ -289,9 +320,10 @@ fn read(gpu: &Gpu, back: &Buffer, (pairs, size): (u64, u32)) -> Result<Vec<Vec<u
         .get_mapped_range(..)
         .map_err(|e| GpuError::Lost(e.to_string()))?;
     let a_light = usize::try_from(pairs * 4).unwrap_or(usize::MAX);
-    let texels = size as usize * size as usize;
+    let row = size.next_multiple_of(32) as usize * 2;
     let light = |bytes: &[u8]| {
-        let halves = bytes.as_chunks::<2>().0.iter().take(texels);
+        let rows = bytes.chunks_exact(row).map(|row| &row[..size as usize * 2]);
+        let halves = rows.flat_map(|row| row.as_chunks::<2>().0);
         halves.map(|h| u16::from_le_bytes(*h)).collect()
     };
     Ok(bytes.chunks_exact(a_light).map(light).collect())

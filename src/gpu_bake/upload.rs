@@ -1,9 +1,11 @@
 //! Data on their way to the adapter.
 
+use super::passes;
 use crate::capture::{ALPHA_CUTOFF, Pass};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::image::atlas::Rect;
 use crate::image::{Image, Texel};
+use crate::math::float;
 use bytemuck::Pod;
 use rayon::prelude::*;
 use wgpu::{Buffer, BufferUsages, TextureFormat};
@@ -103,12 +105,12 @@ pub(super) fn pipeline_layout(
 
 /// The textures of a pass on the adapter.
 pub(super) struct Surfaces {
-    /// Bark, four words a texel as [`packed`] has them.
+    /// Bark, four words a texel.
     pub(super) bark: Mips,
-    /// The atlas in the same form.
+    /// The atlas in the same form, with depths instead of slopes.
     pub(super) foliage: Mips,
-    /// Where the atlas has foliage.
-    pub(super) cutout: Mips,
+    /// The slopes of the atlas, and where it has foliage.
+    pub(super) outlines: Mips,
 }
 
 /// All mips of an image in one texture: from the second on in a column beside the first.
@@ -120,33 +122,45 @@ pub(super) struct Mips {
     pub(super) bytes: u64,
 }
 
+/// A part of an image, and the length of the longer side of the capture there in metres; 0 if it is none.
+type Part = (Rect, f32);
+
 impl Surfaces {
     pub(super) fn new(gpu: &Gpu, pass: &Pass<'_>) -> Result<Self, GpuError> {
         let (bark, foliage) = (pass.textures.bark, pass.textures.foliage.mips());
-        let whole = [Rect {
+        let whole = Rect {
             x: 0,
             y: 0,
             width: bark[0].width(),
             height: bark[0].height(),
-        }];
-        let parts: Vec<Rect> = pass.parts.iter().map(Rect::outer).collect();
+        };
+        let size = [foliage[0].width(), foliage[0].height()].map(float);
+        let longer = |rect: &Rect| {
+            let middle = [
+                float(rect.x * 2 + rect.width) * 0.5 / size[0],
+                float(rect.y * 2 + rect.height) * 0.5 / size[1],
+            ];
+            let relief = pass.textures.reliefs.iter().find(|r| r.uv.holds(middle));
+            relief.map_or(0.0, |r| r.longer)
+        };
+        let parts = pass.parts.iter().map(|part| (part.outer(), longer(part)));
+        let parts: Vec<Part> = parts.collect();
         let words = TextureFormat::Rgba32Uint;
+        let word = TextureFormat::R32Uint;
         Ok(Self {
-            bark: Mips::new(gpu, ("bark", words), bark, &whole, packed)?,
-            foliage: Mips::new(gpu, ("foliage", words), foliage, &parts, packed)?,
-            cutout: Mips::new(
-                gpu,
-                ("cutout", TextureFormat::R8Unorm),
-                foliage,
-                &parts,
-                cut,
-            )?,
+            bark: Mips::new(gpu, ("bark", words), bark, &[(whole, 0.0)], |t, _| {
+                packed(t, slopes(t))
+            })?,
+            foliage: Mips::new(gpu, ("foliage", words), foliage, &parts, |t, longer| {
+                packed(t, (t.depth * longer).to_bits())
+            })?,
+            outlines: Mips::new(gpu, ("outlines", word), foliage, &parts, outline)?,
         })
     }
 
     /// Bytes sent.
     pub(super) fn bytes(&self) -> u64 {
-        self.bark.bytes + self.foliage.bytes + self.cutout.bytes
+        self.bark.bytes + self.foliage.bytes + self.outlines.bytes
     }
 }
 
@@ -157,32 +171,18 @@ impl Mips {
         gpu: &Gpu,
         (label, format): (&'static str, TextureFormat),
         mips: &[Image<Texel>],
-        parts: &[Rect],
-        texel: fn(&Texel) -> T,
+        parts: &[Part],
+        texel: fn(&Texel, f32) -> T,
     ) -> Result<Self, GpuError> {
         let (width, height) = (mips[0].width(), mips[0].height());
-        gpu.check_edge(label, width + (width / 2).max(1))?;
-        gpu.check_edge(label, height)?;
-        // The processor's chains may go on at a single texel.
-        let mips = &mips[..mips.len().min(width.min(height).ilog2() as usize + 1)];
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d {
-                width: width + (width / 2).max(1),
-                height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let size = size_with_mips(gpu, label, [width, height])?;
+        let mips = &mips[..self::mips(mips.len(), [width, height])];
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let texture = passes::texture(gpu, label, format, size, usage);
         let mut bytes = 0;
-        let mut corner = [0, 0];
         for (level, mip) in (0_u32..).zip(mips) {
-            for part in parts {
+            let corner = corner_of_mip([width, height], level);
+            for (part, longer) in parts {
                 let (x, y) = (part.x >> level, part.y >> level);
                 let edge = |length: u32| (length >> level).max(1);
                 let part = Rect {
@@ -191,78 +191,103 @@ impl Mips {
                     width: edge(part.width).min(mip.width() - x),
                     height: edge(part.height).min(mip.height() - y),
                 };
-                bytes += write(gpu, &texture, corner, mip, &part, texel);
+                let row = |y: u32| {
+                    let columns = part.x..part.x + part.width;
+                    columns.map(move |x| texel(mip.at(x, y), *longer))
+                };
+                let rows = (part.y..part.y + part.height).into_par_iter();
+                let texels: Vec<T> = rows.flat_map_iter(row).collect();
+                let at = [corner[0] + part.x, corner[1] + part.y];
+                bytes += write(gpu, &texture, at, [part.width, part.height], &texels);
             }
-            corner = if level == 0 {
-                [width, 0]
-            } else {
-                [width, corner[1] + mip.height()]
-            };
         }
         Ok(Self {
-            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            view: passes::whole(&texture),
             about: [width, height, u32::try_from(mips.len()).unwrap_or(1), 0],
             bytes,
         })
     }
 }
 
-/// Sends a part of a mip whose own corner is at `corner` of the texture; gives the number of bytes.
-fn write<T: Pod + Send>(
+/// Size of a texture with all mips of an image: from the second on in a column beside the first.
+pub(super) fn size_with_mips(
+    gpu: &Gpu,
+    what: &'static str,
+    [width, height]: [u32; 2],
+) -> Result<[u32; 2], GpuError> {
+    let size = [width + (width / 2).max(1), height];
+    for edge in size {
+        gpu.check_edge(what, edge)?;
+    }
+    Ok(size)
+}
+
+/// Mips that such a texture has of a chain: the processor's may go on at a single texel.
+pub(super) fn mips(chain: usize, [width, height]: [u32; 2]) -> usize {
+    chain.min(width.min(height).ilog2() as usize + 1)
+}
+
+/// Where a mip begins in such a texture: each ends above the one after it, as `nearest` of
+/// `shaders/capture_seen.wgsl` counts.
+pub(super) fn corner_of_mip([width, height]: [u32; 2], level: u32) -> [u32; 2] {
+    match level {
+        0 => [0, 0],
+        _ => [width, height - (height >> (level - 1))],
+    }
+}
+
+/// Sends a part of a texture, row by row; gives the number of bytes.
+pub(super) fn write<T: Pod>(
     gpu: &Gpu,
     texture: &wgpu::Texture,
-    corner: [u32; 2],
-    mip: &Image<Texel>,
-    part: &Rect,
-    texel: fn(&Texel) -> T,
+    [x, y]: [u32; 2],
+    [width, height]: [u32; 2],
+    texels: &[T],
 ) -> u64 {
-    let columns = part.x..part.x + part.width;
-    let texels: Vec<T> = (part.y..part.y + part.height)
-        .into_par_iter()
-        .flat_map_iter(|y| columns.clone().map(move |x| texel(mip.at(x, y))))
-        .collect();
-    let texels: &[u8] = bytemuck::cast_slice(&texels);
+    let bytes: &[u8] = bytemuck::cast_slice(texels);
     gpu.queue.write_texture(
         wgpu::TexelCopyTextureInfo {
             texture,
             mip_level: 0,
-            origin: wgpu::Origin3d {
-                x: corner[0] + part.x,
-                y: corner[1] + part.y,
-                z: 0,
-            },
+            origin: wgpu::Origin3d { x, y, z: 0 },
             aspect: wgpu::TextureAspect::All,
         },
-        texels,
+        bytes,
         wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: u32::try_from(part.width as usize * size_of::<T>()).ok(),
+            bytes_per_row: u32::try_from(width as usize * size_of::<T>()).ok(),
             rows_per_image: None,
         },
         wgpu::Extent3d {
-            width: part.width,
-            height: part.height,
+            width,
+            height,
             depth_or_array_layers: 1,
         },
     );
-    texels.len() as u64
+    bytes.len() as u64
 }
 
-fn cut(texel: &Texel) -> u8 {
-    if texel.alpha >= ALPHA_CUTOFF { 255 } else { 0 }
-}
-
-/// A texel in four words, as `unpacked` of `shaders/capture_texels.wgsl` reads it: red and green, blue and
-/// occlusion, the normal's slopes, depth with roughness and translucency.
-fn packed(texel: &Texel) -> [u32; 4] {
+/// A texel in four words, as the shaders of captures read it: red and green, blue and occlusion, one of its own,
+/// roughness and translucency.
+fn packed(texel: &Texel, own: u32) -> [u32; 4] {
     let [r, g, b] = texel.albedo;
     let rest = [texel.roughness, texel.translucency].map(crate::math::byte_from_unit);
     [
         two(unorm(r), unorm(g)),
         two(unorm(b), unorm(texel.occlusion)),
-        two(snorm(texel.normal[0]), snorm(texel.normal[1])),
-        two(snorm(texel.depth), u16::from_le_bytes(rest)),
+        own,
+        u32::from(u16::from_le_bytes(rest)),
     ]
+}
+
+fn slopes(texel: &Texel) -> u32 {
+    two(snorm(texel.normal[0]), snorm(texel.normal[1]))
+}
+
+/// The slopes, their lowest bit set where there is foliage.
+fn outline(texel: &Texel, _longer: f32) -> u32 {
+    let is_seen = texel.alpha >= ALPHA_CUTOFF;
+    (slopes(texel) & !1) | u32::from(is_seen)
 }
 
 fn two(low: u16, high: u16) -> u32 {

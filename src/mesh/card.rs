@@ -26,6 +26,12 @@ impl UvRect {
         u1: 1.0,
         v1: 1.0,
     };
+
+    /// True for a place inside or on the edge.
+    #[must_use]
+    pub fn holds(&self, [u, v]: [f32; 2]) -> bool {
+        (self.u0..=self.u1).contains(&u) && (self.v0..=self.v1).contains(&v)
+    }
 }
 
 /// A picture in a texture: its part, and the outline of what it shows.
