@@ -210,7 +210,8 @@ pub(super) fn oak() -> Outcome {
         // That of the README.
         click(&mut window, "limbs");
         until(&mut window, "the whole tree", |s| s.subject().is_some())?;
-        window.run_steps(20);
+        // Until it rests, and is drawn in full.
+        window.run_steps(90);
         picture(&mut window, "oak")?;
     }
     Ok(())
