@@ -126,7 +126,7 @@ pub struct Placement {
     pub jitter: f32,
     /// Bends the even spacing: places sit at `u^crowding` of the way; 1 even, below 1 crowded to the end.
     pub crowding: f32,
-    /// Levels that a place skips, by its part of all places (0 the first, 1 the last), rounded: 1 carries a node of
+    /// Levels that a place skips, by its part of all places (0 the first or only one, 1 the last), rounded: 1 carries a node of
     /// the level after this one at once.
     pub skip: Curve,
     /// y rotation: turn about the parent's axis.

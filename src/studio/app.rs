@@ -327,6 +327,8 @@ impl Studio {
     pub(super) fn replace(&mut self, document: Document) {
         self.document = document;
         self.copier.stop();
+        // What is under way is of the other script.
+        self.sketcher.stop();
         self.selected = String::new();
         // The tree of another script is no last sound one of this.
         (self.shown, self.furnished, self.grown) = (None, None, None);

@@ -106,7 +106,11 @@ impl Layout {
         let inside: Vec<(TileId, Self)> = container.children().filter_map(known).collect();
         let share = |id: TileId| match container {
             // As much as hands can tell from one another.
-            Container::Linear(linear) => (linear.shares[id] * 1000.0).round() / 1000.0,
+            Container::Linear(linear) => {
+                let share = (linear.shares[id] * 1000.0).round() / 1000.0;
+                // A wide window lets parts get slimmer than other windows may show them.
+                share.clamp(SHARES[0], SHARES[1])
+            }
             Container::Tabs(_) | Container::Grid(_) => 1.0,
         };
         let shared = || {

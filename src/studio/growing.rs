@@ -74,13 +74,13 @@ pub(super) struct Sketches {
     sketcher: Sketcher,
     /// The newest textures on the device, by number.
     textures: Option<(u64, Textures)>,
-    /// The newest sketch at full detail on the device.
-    model: Option<Model>,
+    /// The newest sketch at full detail on the device, and the text that it is of.
+    model: Option<(String, Model)>,
 }
 
 impl Sketches {
     /// Puts a sketch on the device, with the textures of the one before if they are the same.
-    fn put(&mut self, maker: &Maker, sketch: &Sketch) -> Result<Model, String> {
+    fn put(&mut self, maker: &Maker, sketch: &Sketch, text: &str) -> Result<Model, String> {
         let number = sketch.textures;
         let same = self.textures.take().filter(|(kept, _)| *kept == number);
         let textures = same.map(|(_, textures)| textures);
@@ -88,7 +88,9 @@ impl Sketches {
         let model = maker.sketch(&sketch.asset.drawable(), meshes, textures);
         let model = model.map_err(|e| e.to_string())?;
         self.textures = Some((number, model.textures()));
-        self.model = (!sketch.is_rough).then(|| model.clone());
+        if !sketch.is_rough {
+            self.model = Some((text.to_owned(), model.clone()));
+        }
         Ok(model)
     }
 }
@@ -142,7 +144,7 @@ impl Studio {
             if progress.cancelled() {
                 return Ok(None);
             }
-            let model = sketches.put(&maker, &sketch)?;
+            let model = sketches.put(&maker, &sketch, &text)?;
             let kind = if sketch.is_rough {
                 Kind::Rough
             } else {
@@ -171,7 +173,9 @@ impl Studio {
             let files = Beside(folder);
             let species = species::parse(&name, &text, &files).map_err(|f| f.render(false))?;
             let mut sketches = sketches.lock().unwrap_or_else(PoisonError::into_inner);
-            let (Some(asset), Some(model)) = (sketch.subject.asset(), sketches.model.take()) else {
+            let of_text = sketches.model.as_ref().filter(|(of, _)| *of == text);
+            let model = of_text.map(|(_, model)| model.clone());
+            let (Some(asset), Some(model)) = (sketch.subject.asset(), model) else {
                 return Ok(None);
             };
             let furnished =
@@ -190,6 +194,7 @@ impl Studio {
             let furnished = furnished.map_err(|e| e.to_string())?;
             let model = maker.shaded(&model, &furnished.shadows);
             let model = model.map_err(|e| e.to_string())?;
+            sketches.model = None;
             let grown = Grown::new((furnished, text), model, Kind::Furnished);
             Ok(Some(Arc::new(grown)))
         });

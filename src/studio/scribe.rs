@@ -52,8 +52,8 @@ impl Shared {
 #[derive(Debug)]
 pub(super) struct Scribe {
     shared: Arc<Shared>,
-    /// What was asked for last.
-    last: Option<Note>,
+    /// What was asked for last; none if that was not written.
+    last: Option<Option<Note>>,
 }
 
 impl Scribe {
@@ -71,20 +71,21 @@ impl Scribe {
                 theirs.lock().ended = true;
                 theirs.changed.notify_all();
             })?;
-        Ok(Self { shared, last: None })
+        let last = Some(None);
+        Ok(Self { shared, last })
     }
 
     /// Has a note written soon, or taken away at once if there is nothing to lose.
     pub(super) fn keep(&mut self, note: Option<Note>) {
-        if self.last != note {
-            self.last.clone_from(&note);
+        if self.last.as_ref() != Some(&note) {
+            self.last = Some(note.clone());
             self.want(note, Vec::new());
         }
     }
 
     /// Has a note written at once, and then what a killed window has left of it taken away.
     pub(super) fn take_over(&mut self, note: Option<Note>, left: Left) {
-        self.last.clone_from(&note);
+        self.last = Some(note.clone());
         self.want(note, vec![left]);
         self.hurry();
     }
@@ -136,6 +137,8 @@ impl Drop for Scribe {
 fn write(folder: &Path, shared: &Shared, wake: &impl Fn()) {
     let mut journal = None;
     let mut last: Option<Instant> = None;
+    // Notes of killed windows that go once their text is written.
+    let mut left: Vec<Left> = Vec::new();
     loop {
         let mut state = shared.lock();
         while state.wanted.is_none() && !state.ends {
@@ -152,9 +155,10 @@ fn write(folder: &Path, shared: &Shared, wake: &impl Fn()) {
         };
         drop(state);
         last = Some(Instant::now());
+        left.extend(wanted.left);
         match kept(folder, &mut journal, wanted.note.as_ref()) {
             Ok(()) => {
-                for left in wanted.left {
+                for left in left.drain(..) {
                     let _ = left.discard();
                 }
             }
@@ -265,6 +269,24 @@ mod tests {
         let found = left(dir.path());
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].note.text, "two");
+    }
+
+    #[test]
+    fn a_note_whose_successor_was_not_written_goes_when_nothing_is_unsaved() {
+        let dir = tempfile::tempdir().unwrap();
+        let (folder, away) = (dir.path().join("notes"), dir.path().join("away"));
+        let mut scribe = Scribe::start(folder.clone(), || ()).unwrap();
+        scribe.keep(note("one"));
+        until("the note", || written(&folder).as_deref() == Some("one"));
+        fs::rename(&folder, &away).unwrap();
+        fs::write(&folder, "").unwrap();
+        scribe.keep(note("two"));
+        until("the fault", || scribe.shared.lock().fault.is_some());
+        assert!(scribe.take_fault().is_some());
+        fs::remove_file(&folder).unwrap();
+        fs::rename(&away, &folder).unwrap();
+        scribe.keep(None);
+        until("nothing", || written(&folder).is_none());
     }
 
     #[test]

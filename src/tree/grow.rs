@@ -282,13 +282,15 @@ fn prototypes(
             (0..variants)
                 .map(|variant| {
                     let number = variant as u64;
-                    let taper = pipes::taper(species, index, number, seed, nominal.radius);
+                    let key = seed.level(&script.name).with(number);
+                    let radius = nominal.radius * own_size(script, key);
+                    let taper = pipes::taper(species, index, number, seed, radius);
                     let make = Make {
                         params,
                         nominal,
                         taper: taper.as_ref().unwrap_or(&params.taper),
                         hidden: hidden[variant],
-                        key: seed.level(&script.name).with(number),
+                        key,
                     };
                     let branch = branch(species, script, &make)?;
                     Ok(Prototype {
@@ -328,12 +330,11 @@ fn branch(species: &Species, script: &Level, make: &Make<'_>) -> Result<Branch, 
     let spline_index = params.splines[choice].0;
     let spline = species.splines.get(spline_index).ok_or_else(incomplete)?;
     let mut control = gnarled(&spline.points, params.gnarl, key);
-    let mut size = 1.0;
+    let size = own_size(script, key);
     if script.parent.is_none() {
-        // A trunk hangs on no link: its own turn and size are part of the prototype.
+        // A trunk hangs on no link: its own turn is part of the prototype.
         let turn = own_turn(script, key);
         control.iter_mut().for_each(|point| *point = turn * *point);
-        size = links::factor(&script.placement.scale, key, Parameter::Scale, 0.0);
     }
     // A chance of more than the whole length would turn the branch inside out.
     let length = nominal.length
@@ -358,6 +359,14 @@ fn branch(species: &Species, script: &Level, make: &Make<'_>) -> Result<Branch, 
     .ok_or_else(|| GrowError::NoLength {
         level: script.name.clone(),
     })
+}
+
+/// The size of a trunk, which hangs on no link: a part of the prototype.
+fn own_size(script: &Level, key: Key) -> f32 {
+    if script.parent.is_some() {
+        return 1.0;
+    }
+    links::factor(&script.placement.scale, key, Parameter::Scale, 0.0)
 }
 
 /// The turn of a trunk about its own axis.

@@ -24,6 +24,9 @@ const FOOT: f32 = 0.1;
 /// A branch never gets thinner than this part of its base by the rule.
 const THINNEST: f32 = 0.02;
 
+/// Factors above this are no longer told apart, so that numbers stay finite whatever a script asks for.
+const MOST: f32 = 1e30;
+
 /// Radius at the very end of a branch that goes on beyond its last fork, as a part of what it is there.
 const END: f32 = 0.5;
 
@@ -166,19 +169,16 @@ fn children(
 fn by_rule(forks: &[Fork]) -> Option<Curve> {
     let last = forks.last()?;
     let goes_on = 1.0 - last.at > TIP;
-    let forks = if goes_on {
-        forks
-    } else {
-        &forks[..forks.len() - 1]
-    };
+    let before_end = forks.partition_point(|fork| 1.0 - fork.at > TIP);
+    let forks = &forks[..before_end];
     // Squared radius of each internode, the tip's first, as `grows * tip + adds`.
     let (mut grows, mut adds) = (1.0_f32, 0.0_f32);
     let mut internodes = vec![(grows, adds)];
     for fork in forks.iter().rev() {
         let quarter = (fork.relative * 0.25).min(0.9);
         let ratio = (1.0 + quarter) / (1.0 - quarter);
-        grows *= ratio * ratio;
-        adds = adds * ratio * ratio + fork.absolute;
+        grows = (grows * ratio * ratio).min(MOST);
+        adds = (adds * ratio * ratio + fork.absolute).min(MOST);
         internodes.push((grows, adds));
     }
     internodes.reverse();
@@ -188,7 +188,7 @@ fn by_rule(forks: &[Fork]) -> Option<Curve> {
     let whole = grows * tip + adds;
     let radii = internodes
         .iter()
-        .map(|(grows, adds)| ((grows * tip + adds) / whole).sqrt());
+        .map(|(grows, adds)| ((grows * tip + adds) / whole).sqrt().max(THINNEST));
     let ends = forks.iter().map(|f| f.at).chain([1.0]);
     let mut points: Vec<(f32, f32)> = vec![(0.0, 1.0)];
     let mut from = 0.0;
