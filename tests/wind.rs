@@ -179,7 +179,7 @@ fn trees_bend_as_far_as_trees_do() {
         ..breeze()
     };
     for (slug, low, high) in [
-        ("olive", 0.08, 0.3),
+        ("olive", 0.06, 0.3),
         ("lombardy-poplar", 0.6, 1.4),
         ("palm", 1.1, 2.0),
     ] {
