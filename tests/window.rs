@@ -661,7 +661,11 @@ fn looks() -> Outcome {
     let start = Start::new(Source::Pack(palm().to_owned()), PathBuf::from("."));
     let mut window = window_with(start, [400.0, 260.0]);
     until(&mut window, "the palm", |app| app.subject.is_some())?;
-    window.run_steps(4);
+    // Until it rests and is drawn in full, on a busy machine too.
+    for _ in 0..24 {
+        window.run_steps(1);
+        std::thread::sleep(Duration::from_millis(20));
+    }
     let picture = seen(&mut window)?.part(0, 0, 400, 200);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/window.png");
     if std::env::var_os("UPDATE_GOLDENS").is_some() {
