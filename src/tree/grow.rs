@@ -74,6 +74,17 @@ pub enum GrowError {
 /// If the tree would pass one of `limits`, or the species is not whole ([`GrowError`]).
 pub fn grow(species: &Species, seed: u64, limits: &Limits) -> Result<Tree, GrowError> {
     let species = &*grown_up(species);
+    for (index, level) in species.levels.iter().enumerate() {
+        let sound = match level.parent {
+            Some(parent) => parent < index,
+            None => index == 0,
+        };
+        if !sound {
+            return Err(GrowError::Incomplete {
+                level: level.name.clone(),
+            });
+        }
+    }
     check_counts(species, limits)?;
     let mut levels: Vec<TreeLevel> = Vec::with_capacity(species.levels.len() + 1);
     let mut thinnest: Vec<Vec<f32>> = Vec::new();
@@ -88,11 +99,6 @@ pub fn grow(species: &Species, seed: u64, limits: &Limits) -> Result<Tree, GrowE
             .parent
             .map(|p| p + shift)
             .or((shift == 1).then_some(0));
-        if parent.is_some_and(|p| p >= levels.len()) || (parent.is_none() && index > 0) {
-            return Err(GrowError::Incomplete {
-                level: script.name.clone(),
-            });
-        }
         let nominal = Nominal::of(script, parent.map(|p| &levels[p]))?;
         let weights = weights(script)?;
         let child = ChildLevel {
