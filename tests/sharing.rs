@@ -7,7 +7,7 @@ use common::{Node, Sketch, grown, sketches, small, walk};
 use pleach::math::{Bounds, Similarity, Vec3};
 use pleach::mesh::{Flattener, Mesh};
 use pleach::species::schema::{Curve, LevelKind, Size, Species};
-use pleach::tree::{Link, Part, Tree};
+use pleach::tree::{GrowError, Limits, Link, Part, Tree, grow};
 use proptest::prelude::*;
 
 /// Error of a product of four similarities in single precision, as a part of the tree's size.
@@ -320,5 +320,16 @@ fn every_prototype_is_a_branch_or_a_leaf_of_its_script() {
                 (kind, part) => panic!("{kind:?} became {part:?}"),
             }
         }
+    }
+}
+
+#[test]
+fn a_level_on_itself_or_on_a_later_one_is_refused() {
+    for parent in [None, Some(1), Some(2), Some(99)] {
+        let mut species = small().species();
+        species.levels[1].parent = parent;
+        let level = species.levels[1].name.clone();
+        let grown = grow(&species, 1, &Limits::default());
+        assert_eq!(grown, Err(GrowError::Incomplete { level }), "{parent:?}");
     }
 }
