@@ -28,7 +28,8 @@ struct Sheet {
     size: vec2<f32>,
     // Samples along the edge of a texel.
     supersample: u32,
-    unused: u32,
+    // The longest side of a card in the atlas, metres.
+    longest: f32,
     // Width and height of the finest mip, and number of mips.
     bark: vec4<u32>,
     foliage: vec4<u32>,

@@ -99,7 +99,8 @@ fn fs_bark(in: Corner) -> @location(0) vec2<u32> {
     );
 }
 
-// Two words a sample: the texel's column and row; the normal's slopes.
+// Two words a sample: the texel's column and row, and bit 30 set; how near it is in 14 bits, and the normal's slopes in
+// nine each.
 @fragment
 fn fs_foliage(in: Corner) -> @location(0) vec2<u32> {
     let uv = vec2<f32>(in.normal.w, in.tangent.w);
@@ -108,6 +109,11 @@ fn fs_foliage(in: Corner) -> @location(0) vec2<u32> {
     if (outline & 1u) == 0u {
         discard;
     }
-    let slopes = view_slopes(in, unpack2x16snorm(outline));
-    return vec2<u32>(at.x | (at.y << 16u), pack2x16snorm(slopes));
+    let slopes = vec2<i32>(round(view_slopes(in, unpack2x16snorm(outline)) * 255.0));
+    let leans = vec2<u32>(slopes) & vec2<u32>(0x1ffu);
+    let nearness = u32(clamp(in.clip.z, 0.0, 1.0) * 16383.0 + 0.5);
+    return vec2<u32>(
+        0x40000000u | at.x | (at.y << 15u),
+        nearness | (leans.x << 14u) | (leans.y << 23u),
+    );
 }

@@ -1,13 +1,13 @@
 // Captures, the second half: samples averaged to texels, and shaded by the crown's density. `src/capture/cpu.rs` is
 // the processor's twin.
 
-// What each sample sees, and how near it is: 0 where it sees nothing.
+// What each sample sees, 0 where it sees nothing, and how near it is.
 @group(0) @binding(2) var seen: texture_2d<u32>;
 @group(0) @binding(3) var near: texture_depth_2d;
 // How much light reaches each cell of all grids.
 @group(0) @binding(4) var open: texture_2d<f32>;
-// Four words a texel: red and green; blue and occlusion; the depth from the surface in metres; roughness and
-// translucency.
+// Two words a texel: the roots of its colour, and occlusion; roughness, translucency, and the depth from the surface
+// as a part of the longest card's side.
 @group(0) @binding(5) var foliage: texture_2d<u32>;
 
 // How much light reaches a point, smooth between cells.
@@ -40,12 +40,17 @@ struct Surface {
     // Albedo and occlusion.
     colour: vec4<f32>,
     slopes: vec2<f32>,
-    // Roughness, translucency, and depth from the surface in metres.
+    // Roughness, translucency, and depth in metres.
     rest: vec3<f32>,
 }
 
+// The depth that lies so near.
+fn depth_of(nearness: f32) -> f32 {
+    return shot.depth.x + nearness / shot.depth.y;
+}
+
 // What the first half kept of bark.
-fn of_bark(words: vec2<u32>) -> Surface {
+fn of_bark(words: vec2<u32>, at: vec2<u32>) -> Surface {
     let roots = unpack4x8unorm(words.x).rgb;
     let slopes = vec2<i32>(vec2<u32>(words.y << 20u, words.y << 8u)) >> vec2<u32>(20u);
     let roughness = f32((words.x >> 24u) & 0x7fu) / 127.0;
@@ -53,16 +58,19 @@ fn of_bark(words: vec2<u32>) -> Surface {
     return Surface(
         vec4<f32>(roots * roots, occlusion),
         vec2<f32>(slopes) / 2047.0,
-        vec3<f32>(roughness, 0.0, 0.0),
+        vec3<f32>(roughness, 0.0, depth_of(textureLoad(near, at, 0))),
     );
 }
 
 fn of_foliage(words: vec2<u32>) -> Surface {
-    let texel = textureLoad(foliage, vec2<u32>(words.x & 0xffffu, words.x >> 16u), 0);
+    let texel = textureLoad(foliage, vec2<u32>(words.x, words.x >> 15u) & vec2<u32>(0x7fffu), 0).xy;
+    let colour = unpack4x8unorm(texel.x);
+    let slopes = vec2<i32>(vec2<u32>(words.y << 9u, words.y)) >> vec2<u32>(23u);
+    let depth = depth_of(f32(words.y & 0x3fffu) / 16383.0) + unpack2x16snorm(texel.y).y * sheet.longest;
     return Surface(
-        vec4<f32>(unpack2x16unorm(texel.x), unpack2x16unorm(texel.y)),
-        unpack2x16snorm(words.y),
-        vec3<f32>(unpack4x8unorm(texel.w).xy, bitcast<f32>(texel.z)),
+        vec4<f32>(colour.rgb * colour.rgb, colour.a),
+        vec2<f32>(slopes) / 255.0,
+        vec3<f32>(unpack4x8unorm(texel.y).xy, depth),
     );
 }
 
@@ -85,14 +93,13 @@ fn fs_texels(@builtin(position) position: vec4<f32>) -> @location(0) vec4<u32> {
     for (var y = 0u; y < n; y++) {
         for (var x = 0u; x < n; x++) {
             let at = first + vec2<u32>(x, y);
-            let nearness = textureLoad(near, at, 0);
-            if nearness == 0.0 {
+            let words = textureLoad(seen, at, 0).xy;
+            if words.x == 0u {
                 continue;
             }
-            let words = textureLoad(seen, at, 0).xy;
             var surface: Surface;
             if words.x >= 0x80000000u {
-                surface = of_bark(words);
+                surface = of_bark(words, at);
             } else {
                 surface = of_foliage(words);
             }
@@ -100,7 +107,6 @@ fn fs_texels(@builtin(position) position: vec4<f32>) -> @location(0) vec4<u32> {
             colour += surface.colour;
             normal += vec3<f32>(slopes, sqrt(max(1.0 - dot(slopes, slopes), 0.0)));
             rest += surface.rest;
-            rest.z += shot.depth.x + nearness / shot.depth.y;
             count++;
         }
     }

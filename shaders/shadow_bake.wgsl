@@ -1,5 +1,9 @@
-// Soft ground shadows: hard shadows as bits, one thread a triangle and light, then summed.
-// `src/shadow/raster.rs` and `cpu.rs` are the processor's twins, rule by rule; only rounding may differ.
+// Soft ground shadows: hard shadows as bits, then summed. `src/shadow/raster.rs` and `cpu.rs` are the processor's
+// twins, rule by rule; only rounding may differ.
+//
+// A thread draws some triangles into the masks of a few samples. Its neighbours draw the same ones for other samples,
+// nearly at the same places: they walk through the same rows together, and none waits for another's marks. What a
+// triangle is made of is read once for all samples of a thread.
 
 struct Job {
     // Texels along the edge of a map, and words of 32 of them along a row.
@@ -13,35 +17,31 @@ struct Job {
     first: u32,
     // Samples of a light.
     a_light: u32,
-    unused: u32,
+    // Triangles that a thread draws.
+    triangles: u32,
     // The coverage's texels across and down, and its number of mips.
     coverage: vec4<u32>,
 }
 
-// What all samples of a light share.
-struct Light {
-    // Texels for a metre along X and Z.
-    a_metre: vec2<f32>,
-    // Stray of foliage along two directions, texels for a metre of height.
-    along: vec2<f32>,
-    across: vec2<f32>,
-}
-
-// The parallel projection of one sample's light.
+// The parallel projection of one sample's light, and what it has in common with the light's other samples.
 struct Projection {
     // Where the world's origin falls, texels.
     origin: vec2<f32>,
     // Texels that a shadow's place moves back for a metre of height.
     lean: vec2<f32>,
+    // Texels for a metre along X and Z.
+    a_metre: vec2<f32>,
+    // Stray of foliage along two directions, texels for a metre of height.
+    along: vec2<f32>,
+    across: vec2<f32>,
     // Its part of the sum; its number among its light's samples.
     share: u32,
     number: u32,
-    unused: vec2<u32>,
 }
 
 // Those of a batch, as many as every adapter's uniforms hold.
 struct Batch {
-    samples: array<Projection, 512>,
+    samples: array<Projection, 320>,
 }
 
 struct Leaf {
@@ -57,12 +57,13 @@ struct Leaf {
 @group(0) @binding(2) var<storage, read> points: array<f32>;
 @group(0) @binding(3) var<storage, read> bark: array<u32>;
 @group(0) @binding(4) var<storage, read> leaves: array<Leaf>;
-@group(0) @binding(5) var<storage, read> lights: array<Light>;
-// All mips of the coverage: from the second on in a column beside the first.
-@group(0) @binding(6) var coverage: texture_2d<u32>;
+// All mips of the coverage, four texels a word: from the second on in a column beside the first.
+@group(0) @binding(5) var coverage: texture_storage_2d<r32uint, read>;
 // One bit a texel of each of the batch's samples.
-@group(0) @binding(7) var<storage, read_write> masks: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
 
+// Samples into whose masks a thread draws: they are a workgroup's number apart.
+const SAMPLES: u32 = 2u;
 const GOLDEN: u32 = 0x9e3779b9u;
 const SPREAD: u32 = 0xc13fa9a9u;
 const STEP: u32 = 0xc13f91e1u;
@@ -80,18 +81,18 @@ fn point(index: u32) -> vec3<f32> {
     return vec3<f32>(points[index * 3u], points[index * 3u + 1u], points[index * 3u + 2u]);
 }
 
-// Where a point's shadow falls; its X and Z are in texels already.
+// Where a point's shadow falls in the map of a sample.
 fn shadow(sample: Projection, at: vec3<f32>) -> vec2<f32> {
-    return sample.origin + at.xz - at.y * sample.lean;
+    return sample.origin + at.xz * sample.a_metre - at.y * sample.lean;
 }
 
 // How far a piece of foliage strays in a sample; samples come in pairs of opposite ones.
-fn stray(light: Light, number: u32, key: u32) -> vec2<f32> {
-    let bits = key + (number + 1u) / 2u * STEP;
+fn stray(sample: Projection, key: u32) -> vec2<f32> {
+    let bits = key + (sample.number + 1u) / 2u * STEP;
     let along = (f32(bits & 0xffffu) + 0.5) / 65536.0 - 0.5;
     let across = (f32(bits >> 16u) + 0.5) / 65536.0 - 0.5;
-    let stray = light.along * along + light.across * across;
-    return select(-stray, stray, (number & 1u) == 0u);
+    let stray = sample.along * along + sample.across * across;
+    return select(-stray, stray, (sample.number & 1u) == 0u);
 }
 
 fn floor_log2(x: f32) -> i32 {
@@ -125,26 +126,30 @@ struct Cut {
 }
 
 fn covered(cut: Cut, at: vec2<f32>) -> bool {
-    let place = min(vec2<u32>(max(at, vec2<f32>(0.0))), cut.last);
-    return textureLoad(coverage, cut.corner + place, 0).r >= cut.threshold;
+    let place = cut.corner + min(vec2<u32>(max(at, vec2<f32>(0.0))), cut.last);
+    let four = textureLoad(coverage, vec2<u32>(place.x / 4u, place.y)).r;
+    return ((four >> (place.x % 4u * 8u)) & 0xffu) >= cut.threshold;
 }
 
-// Marks the covered texels of one row's span. What other triangles have marked need not be looked at: most of it,
-// under a crown. A mark that comes in between is made twice.
+// Marks the covered texels of one row's span. Of what is cut out, texels that other triangles have marked need not be
+// looked at: most of them, under a crown. A mark that comes in between is made twice.
 fn span(cut: Cut, corner: vec2<f32>, row: u32, y: u32, x0: u32, x1: u32) {
     let start = cut.origin - corner.x * cut.right + (f32(y) + 0.5 - corner.y) * cut.down;
     for (var word = x0 / 32u; word * 32u < x1; word++) {
         let first = max(x0, word * 32u) % 32u;
         let last = (min(x1, word * 32u + 32u) - 1u) % 32u;
         let within = (0xffffffffu << first) & (0xffffffffu >> (31u - last));
-        var bits = within & ~atomicLoad(&masks[row + word]);
-        if !cut.solid && bits != 0u {
-            let missing = bits;
-            bits = 0u;
-            let end = firstLeadingBit(missing);
-            for (var bit = firstTrailingBit(missing); bit <= end; bit++) {
-                let place = start + (f32(word * 32u + bit) + 0.5) * cut.right;
-                bits |= u32(covered(cut, place)) << bit;
+        var bits = within;
+        if !cut.solid {
+            bits = within & ~atomicLoad(&masks[row + word]);
+            if bits != 0u {
+                let missing = bits;
+                bits = 0u;
+                let end = firstLeadingBit(missing);
+                for (var bit = firstTrailingBit(missing); bit <= end; bit++) {
+                    let place = start + (f32(word * 32u + bit) + 0.5) * cut.right;
+                    bits |= u32(covered(cut, place)) << bit;
+                }
             }
         }
         if bits != 0u {
@@ -196,44 +201,27 @@ fn draw(cut: Cut, a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, mask: u32) {
     }
 }
 
-// The samples of the batch that belong to a light.
-fn samples_of(light: u32) -> vec2<u32> {
-    let first = max(light * job.a_light, job.first);
-    let end = min((light + 1u) * job.a_light, job.first + job.samples);
-    return vec2<u32>(first, max(first, end)) - job.first;
-}
-
-// A corner, along X and Z in texels.
-fn corner(index: u32, light: Light) -> vec3<f32> {
-    let at = point(index);
-    return vec3<f32>(at.x * light.a_metre.x, at.y, at.z * light.a_metre.y);
-}
-
-fn draw_bark(triangle: u32, number: u32) {
-    let light = lights[number];
-    let a = corner(bark[triangle * 3u], light);
-    let b = corner(bark[triangle * 3u + 1u], light);
-    let c = corner(bark[triangle * 3u + 2u], light);
+fn draw_bark(triangle: u32, first: u32) {
+    let at_a = point(bark[triangle * 3u]);
+    let at_b = point(bark[triangle * 3u + 1u]);
+    let at_c = point(bark[triangle * 3u + 2u]);
     var cut: Cut;
     cut.solid = true;
-    let range = samples_of(number);
-    for (var i = range.x; i < range.y; i++) {
+    for (var i = first; i < min(first + SAMPLES * 64u, job.samples); i += 64u) {
         let sample = batch.samples[i];
         let mask = i * job.row * job.size;
-        draw(cut, shadow(sample, a), shadow(sample, b), shadow(sample, c), mask);
+        draw(cut, shadow(sample, at_a), shadow(sample, at_b), shadow(sample, at_c), mask);
     }
 }
 
-fn draw_leaf(triangle: u32, number: u32) {
-    let light = lights[number];
+fn draw_leaf(triangle: u32, first: u32) {
     let leaf = leaves[triangle];
-    let at_a = corner(leaf.corners[0], light);
-    let at_b = corner(leaf.corners[1], light);
-    let at_c = corner(leaf.corners[2], light);
-    let range = samples_of(number);
-    for (var i = range.x; i < range.y; i++) {
+    let at_a = point(leaf.corners[0]);
+    let at_b = point(leaf.corners[1]);
+    let at_c = point(leaf.corners[2]);
+    for (var i = first; i < min(first + SAMPLES * 64u, job.samples); i += 64u) {
         let sample = batch.samples[i];
-        let away = stray(light, sample.number, leaf.key);
+        let away = stray(sample, leaf.key);
         let a = shadow(sample, at_a) - at_a.y * away;
         let b = shadow(sample, at_b) - at_b.y * away;
         let c = shadow(sample, at_c) - at_c.y * away;
@@ -262,18 +250,31 @@ fn draw_leaf(triangle: u32, number: u32) {
 }
 
 @compute @workgroup_size(64)
-fn cs_hard(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x < job.bark {
-        draw_bark(id.x, id.y);
-    } else if id.x < job.bark + job.leaves {
-        draw_leaf(id.x - job.bark, id.y);
+fn cs_hard(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let sample = group.y * (SAMPLES * 64u) + local.x;
+    if sample >= job.samples {
+        return;
+    }
+    let first = group.x * job.triangles;
+    for (var t = first; t < min(first + job.triangles, job.bark); t++) {
+        draw_bark(t, sample);
+    }
+    for (var t = max(first, job.bark); t < min(first + job.triangles, job.bark + job.leaves); t++) {
+        draw_leaf(t - job.bark, sample);
     }
 }
 
 // The masks again, now that nothing is marked any more.
-@group(0) @binding(8) var<storage, read> marked: array<u32>;
+@group(0) @binding(7) var<storage, read> marked: array<u32>;
 // Two texels a word, row by row, as many as the masks have bits, light after light.
-@group(0) @binding(9) var<storage, read_write> sums: array<u32>;
+@group(0) @binding(8) var<storage, read_write> sums: array<u32>;
+
+// The samples of the batch that belong to a light.
+fn samples_of(light: u32) -> vec2<u32> {
+    let first = max(light * job.a_light, job.first);
+    let end = min((light + 1u) * job.a_light, job.first + job.samples);
+    return vec2<u32>(first, max(first, end)) - job.first;
+}
 
 // Eight bits as eight numbers of sixteen bits.
 fn spread(bits: u32) -> vec4<u32> {

@@ -131,7 +131,7 @@ fn levels_have_the_colours_that_programs_name() {
 #[test]
 fn structs_of_baking_lie_in_memory_as_the_shaders_read_them() {
     let shot = members!(layout::Shot: right up toward centre half depth samples place corner cell size column);
-    let sheet = members!(layout::Sheet: size supersample unused bark foliage);
+    let sheet = members!(layout::Sheet: size supersample longest bark foliage);
     for source in [
         &shader::CAPTURES_LIGHT,
         &shader::CAPTURES_SEEN,
@@ -140,11 +140,9 @@ fn structs_of_baking_lie_in_memory_as_the_shaders_read_them() {
         assert_eq!(layout_of(source, "Shot"), shot, "{}", source.name);
         assert_eq!(layout_of(source, "Sheet"), sheet, "{}", source.name);
     }
-    let job = members!(layout::Job: size row bark leaves samples first a_light unused coverage);
+    let job = members!(layout::Job: size row bark leaves samples first a_light triangles coverage);
     assert_eq!(layout_of(&shader::SHADOWS, "Job"), job);
-    let light = members!(layout::Light: a_metre along across);
-    assert_eq!(layout_of(&shader::SHADOWS, "Light"), light);
-    let projection = members!(layout::Projection: origin lean share number unused);
+    let projection = members!(layout::Projection: origin lean a_metre along across share number);
     assert_eq!(layout_of(&shader::SHADOWS, "Projection"), projection);
     let leaf = members!(shadow::Leaf: corners uv uv_area last_level key);
     assert_eq!(layout_of(&shader::SHADOWS, "Leaf"), leaf);

@@ -2,7 +2,7 @@
 
 use super::develop::{Exposed, Sent, developed, row_bytes};
 use super::group::{Group, List, Ready, too_large};
-use super::passes::{Buffers, Recording, STRIDE, Targets};
+use super::passes::{Buffers, Recording, STRIDE, Size, Targets};
 use super::upload::{self, Surfaces};
 use super::{Baker, Tally, layout, passes};
 use crate::capture::{BakeError, Pass, Picture};
@@ -23,10 +23,11 @@ pub(super) fn draw(
     progress: &dyn Progress,
 ) -> Result<Vec<Vec<Picture>>, BakeError> {
     let gpu = &baker.gpu;
-    let stage = Stage {
+    let mut stage = Stage {
         baker,
         pass,
         surfaces: Surfaces::new(gpu, pass).map_err(MachineFault::from)?,
+        targets: None,
     };
     baker.count(Tally {
         bytes_up: stage.surfaces.bytes(),
@@ -69,18 +70,25 @@ struct Stage<'a> {
     baker: &'a Baker,
     pass: &'a Pass<'a>,
     surfaces: Surfaces,
+    /// What the last group was drawn into.
+    targets: Option<Targets>,
 }
 
 impl Stage<'_> {
     /// Hands over the drawing of a group.
-    fn expose(&self, group: Group) -> Result<Exposed, GpuError> {
+    fn expose(&mut self, group: Group) -> Result<Exposed, GpuError> {
         let gpu = &self.baker.gpu;
         let list = List::of(&group);
-        let buffers = self.buffers(&group, &list);
-        let size = group.texels();
-        let targets = Targets::new(gpu, group.sheet.size(), size, group.grids);
-        let row = row_bytes(size[0]);
-        let bytes_back = u64::from(row) * u64::from(size[1]);
+        let [width, height] = group.texels();
+        let size = Size {
+            samples: group.sheet.size(),
+            texels: [width, height],
+            grids: group.grids,
+        };
+        let targets = Targets::holding(gpu, self.targets.take(), size);
+        let buffers = self.buffers(&group, &list, targets.samples());
+        let row = row_bytes(width);
+        let bytes_back = u64::from(row) * u64::from(height);
         let texels = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("captures back"),
             size: bytes_back,
@@ -113,7 +121,11 @@ impl Stage<'_> {
                     rows_per_image: None,
                 },
             },
-            targets.texels.size(),
+            wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
         );
         gpu.queue.submit([encoder.finish()]);
         gpu.check()?;
@@ -124,6 +136,7 @@ impl Stage<'_> {
             bytes_up: group.bytes + group.bytes_of_grids(),
             bytes_back,
         });
+        self.targets = Some(targets);
         Ok(Exposed {
             shots: self.sent(group, &list),
             texels,
@@ -148,7 +161,7 @@ impl Stage<'_> {
             .collect()
     }
 
-    fn buffers(&self, group: &Group, list: &List) -> Buffers {
+    fn buffers(&self, group: &Group, list: &List, samples: [u32; 2]) -> Buffers {
         let gpu = &self.baker.gpu;
         let scenes = &group.scenes;
         let vertices = || scenes.iter().flat_map(Ready::vertices);
@@ -156,9 +169,9 @@ impl Stage<'_> {
         let vertex_count: usize = vertices().map(<[Vertex]>::len).sum();
         let index_count: usize = indices().map(<[u32]>::len).sum();
         let sheet = layout::Sheet {
-            size: group.sheet.size().map(float),
+            size: samples.map(float),
             supersample: self.pass.supersample,
-            unused: 0,
+            longest: self.surfaces.longest,
             bark: self.surfaces.bark.about,
             foliage: self.surfaces.foliage.about,
         };

@@ -36,7 +36,7 @@ impl Shot {
 pub struct Sheet {
     pub size: [f32; 2],
     pub supersample: u32,
-    pub unused: u32,
+    pub longest: f32,
     pub bark: [u32; 4],
     pub foliage: [u32; 4],
 }
@@ -53,18 +53,8 @@ pub struct Job {
     pub samples: u32,
     pub first: u32,
     pub a_light: u32,
-    pub unused: u32,
+    pub triangles: u32,
     pub coverage: [u32; 4],
-}
-
-/// `Light` of `shaders/shadow_bake.wgsl`.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-#[expect(missing_docs, reason = "the shader documents them")]
-pub struct Light {
-    pub a_metre: [f32; 2],
-    pub along: [f32; 2],
-    pub across: [f32; 2],
 }
 
 /// `Projection` of `shaders/shadow_bake.wgsl`.
@@ -74,10 +64,12 @@ pub struct Light {
 pub struct Projection {
     pub origin: [f32; 2],
     pub lean: [f32; 2],
+    pub a_metre: [f32; 2],
+    pub along: [f32; 2],
+    pub across: [f32; 2],
     pub share: u32,
     pub number: u32,
-    pub unused: [u32; 2],
 }
 
 /// Samples of a batch, as in `Batch` of `shaders/shadow_bake.wgsl`.
-pub const BATCH: usize = 512;
+pub const BATCH: usize = 320;

@@ -46,7 +46,7 @@ pub(super) struct Buffers {
     pub(super) density: TextureView,
 }
 
-/// Pictures that one pass of a group draws for another.
+/// Pictures that one pass of a group draws for another; groups after each other draw into the same ones.
 pub(super) struct Targets {
     /// The light that reaches each cell.
     open: TextureView,
@@ -55,11 +55,45 @@ pub(super) struct Targets {
     near: TextureView,
     /// The finished texels.
     pub(super) texels: wgpu::Texture,
+    size: Size,
+}
+
+/// Width and height of the pictures.
+#[derive(Clone, Copy)]
+pub(super) struct Size {
+    pub(super) samples: [u32; 2],
+    pub(super) texels: [u32; 2],
+    pub(super) grids: [u32; 2],
+}
+
+impl Size {
+    fn pairs(&self, other: &Self) -> [([u32; 2], [u32; 2]); 3] {
+        [
+            (self.samples, other.samples),
+            (self.texels, other.texels),
+            (self.grids, other.grids),
+        ]
+    }
+
+    fn holds(&self, other: &Self) -> bool {
+        let pairs = self.pairs(other);
+        pairs.iter().all(|(a, b)| a[0] >= b[0] && a[1] >= b[1])
+    }
+
+    fn with(&self, other: &Self) -> Self {
+        let [samples, texels, grids] = self
+            .pairs(other)
+            .map(|(a, b)| [a[0].max(b[0]), a[1].max(b[1])]);
+        Self {
+            samples,
+            texels,
+            grids,
+        }
+    }
 }
 
 impl Targets {
-    /// For a sheet of samples, its texels, and a picture of grids.
-    pub(super) fn new(gpu: &Gpu, samples: [u32; 2], texels: [u32; 2], grids: [u32; 2]) -> Self {
+    fn new(gpu: &Gpu, size: Size) -> Self {
         use wgpu::TextureUsages as Usage;
         let target = |label, format, size, usage| {
             texture(gpu, label, format, size, Usage::RENDER_ATTACHMENT | usage)
@@ -67,11 +101,26 @@ impl Targets {
         let view =
             |label, format, size| whole(&target(label, format, size, Usage::TEXTURE_BINDING));
         Self {
-            open: view("open", OPEN, grids),
-            seen: view("seen", SEEN, samples),
-            near: view("near", NEAR, samples),
-            texels: target("texels", TEXEL, texels, Usage::COPY_SRC),
+            open: view("open", OPEN, size.grids),
+            seen: view("seen", SEEN, size.samples),
+            near: view("near", NEAR, size.samples),
+            texels: target("texels", TEXEL, size.texels, Usage::COPY_SRC),
+            size,
         }
+    }
+
+    /// Those of the group before, if they hold what this one draws; larger ones if not.
+    pub(super) fn holding(gpu: &Gpu, before: Option<Self>, size: Size) -> Self {
+        match before {
+            Some(before) if before.size.holds(&size) => before,
+            Some(before) => Self::new(gpu, before.size.with(&size)),
+            None => Self::new(gpu, size),
+        }
+    }
+
+    /// Samples across and down.
+    pub(super) fn samples(&self) -> [u32; 2] {
+        self.size.samples
     }
 }
 

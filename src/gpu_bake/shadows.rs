@@ -1,6 +1,6 @@
 //! Ground shadows on an adapter: batches of samples marked in bit masks and summed.
 
-use super::layout::{self, BATCH, Job, Projection};
+use super::layout::{BATCH, Job, Projection};
 use super::{Baker, Tally, passes, upload};
 use crate::gpu::{Gpu, GpuError, shader};
 use crate::report::{Cancelled, MachineFault, Progress};
@@ -11,8 +11,20 @@ use wgpu::{Buffer, BufferUsages};
 /// Bytes that the masks of a batch may have.
 const MASK_BYTES: u64 = 64 << 20;
 
-/// Triangles of a workgroup, and half words of masks of one, as in `shaders/shadow_bake.wgsl`.
+/// Threads of a workgroup, as in `shaders/shadow_bake.wgsl`.
 const GROUP: u32 = 64;
+
+/// Samples into whose masks a thread draws, as there.
+const SAMPLES: u32 = 2;
+
+/// Triangles that a thread draws into maps of so many texels along an edge: fewer into large ones, since a software
+/// driver ends threads that go through 65,535 loops.
+fn a_thread(size: u32) -> u32 {
+    (64 * 256 / size.max(1)).clamp(1, 64)
+}
+
+/// Most workgroups along one axis on every adapter.
+const MOST_GROUPS: u32 = 65_535;
 
 /// Workgroups along one axis: fewer than every adapter allows.
 const ROW: u32 = 32_768;
@@ -94,7 +106,7 @@ impl<'a> Bench<'a> {
                 samples: 0,
                 first: 0,
                 a_light: count(work.lights.first().map_or(0, |l| l.samples.len())),
-                unused: 0,
+                triangles: a_thread(work.size),
                 coverage: coverage.about,
             },
             points: upload::storage(gpu, "points", &casters.points),
@@ -127,8 +139,6 @@ impl<'a> Bench<'a> {
         let gpu = &self.baker.gpu;
         let words = self.pairs() * lights.len() as u64;
         let all: Vec<Projection> = lights.iter().flat_map(projections).collect();
-        let shared: Vec<layout::Light> = lights.iter().map(shared).collect();
-        let shared = upload::storage(gpu, "lights", &shared);
         let samples = usize::try_from(MASK_BYTES / (self.words() * 4)).unwrap_or(1);
         let samples = samples.clamp(1, BATCH);
         let masks = BufferUsages::STORAGE | BufferUsages::COPY_DST;
@@ -150,13 +160,7 @@ impl<'a> Bench<'a> {
                 first: number * count(samples),
                 ..self.job
             };
-            self.record(
-                &mut encoder,
-                (&job, batch),
-                &shared,
-                (&masks, &output),
-                lights.len(),
-            );
+            self.record(&mut encoder, (&job, batch), (&masks, &output), lights.len());
             passes += 2;
         }
         encoder.copy_buffer_to_buffer(&output, 0, &back, 0, None);
@@ -177,7 +181,6 @@ impl<'a> Bench<'a> {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (job, batch): (&Job, &[Projection]),
-        shared: &Buffer,
         (masks, output): (&Buffer, &Buffer),
         lights: usize,
     ) {
@@ -196,9 +199,8 @@ impl<'a> Bench<'a> {
                 (2, self.points.as_entire_binding()),
                 (3, self.bark.as_entire_binding()),
                 (4, self.leaves.as_entire_binding()),
-                (5, shared.as_entire_binding()),
-                (6, wgpu::BindingResource::TextureView(&self.coverage)),
-                (7, masks.as_entire_binding()),
+                (5, wgpu::BindingResource::TextureView(&self.coverage)),
+                (6, masks.as_entire_binding()),
             ],
         );
         let of_sum = upload::bound(
@@ -207,16 +209,16 @@ impl<'a> Bench<'a> {
             &[
                 (0, uniform.as_entire_binding()),
                 (1, samples.as_entire_binding()),
-                (8, masks.as_entire_binding()),
-                (9, output.as_entire_binding()),
+                (7, masks.as_entire_binding()),
+                (8, output.as_entire_binding()),
             ],
         );
         encoder.clear_buffer(masks, 0, None);
-        let triangles = (job.bark + job.leaves).div_ceil(GROUP);
+        let triangles = (job.bark + job.leaves).div_ceil(job.triangles);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(hard);
         pass.set_bind_group(0, &of_hard, &[]);
-        pass.dispatch_workgroups(triangles, count(lights), 1);
+        pass.dispatch_workgroups(triangles, job.samples.div_ceil(GROUP * SAMPLES), 1);
         drop(pass);
         let halves = usize::try_from(self.words() * 2).unwrap_or(usize::MAX);
         let groups = count(halves).div_ceil(GROUP);
@@ -239,7 +241,7 @@ fn check(gpu: &Gpu, work: &Work<'_>) -> Result<(), GpuError> {
         (
             "what casts shadows, triangles,",
             (casters.bark.len() + casters.leaves.len()) as u64,
-            u64::from(ROW * GROUP),
+            u64::from(MOST_GROUPS * a_thread(work.size)),
         ),
     ] {
         if size > limit {
@@ -254,7 +256,7 @@ fn count(things: usize) -> u32 {
     u32::try_from(things).unwrap_or(u32::MAX)
 }
 
-/// All mips of the coverage, as those of captures lie.
+/// All mips of the coverage, as those of captures lie, four texels a word.
 struct Mips {
     view: wgpu::TextureView,
     about: [u32; 4],
@@ -265,39 +267,27 @@ impl Mips {
     fn new(gpu: &Gpu, coverage: &Coverage) -> Result<Self, GpuError> {
         let levels = coverage.levels();
         let (width, height) = (levels[0].width, levels[0].height);
-        let size = upload::size_with_mips(gpu, "foliage's coverage", [width, height])?;
-        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-        let format = wgpu::TextureFormat::R8Uint;
-        let texture = passes::texture(gpu, "coverage", format, size, usage);
+        let [across, down] = upload::size_with_mips(gpu, "foliage's coverage", [width, height])?;
         let levels = &levels[..upload::mips(levels.len(), [width, height])];
-        let mut bytes = 0;
+        let row = across.next_multiple_of(4);
+        let mut texels = vec![0; row as usize * down as usize];
         for (number, level) in (0..).zip(levels) {
-            let at = upload::corner_of_mip([width, height], number);
-            bytes += upload::write(
-                gpu,
-                &texture,
-                at,
-                [level.width, level.height],
-                &level.texels,
-            );
+            let [x, y] = upload::corner_of_mip([width, height], number);
+            let from = level.texels.chunks_exact(level.width as usize);
+            let to = texels.chunks_exact_mut(row as usize).skip(y as usize);
+            for (from, to) in from.zip(to) {
+                to[x as usize..][..from.len()].copy_from_slice(from);
+            }
         }
+        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let (format, size) = (wgpu::TextureFormat::R32Uint, [row / 4, down]);
+        let texture = passes::texture(gpu, "coverage", format, size, usage);
+        let (words, _) = texels.as_chunks::<4>();
         Ok(Self {
+            bytes: upload::write(gpu, &texture, [0, 0], size, words),
             view: passes::whole(&texture),
             about: [width, height, count(levels.len()), 0],
-            bytes,
         })
-    }
-}
-
-fn shared(light: &Light) -> layout::Light {
-    let a_metre = light
-        .samples
-        .first()
-        .map_or([0.0; 2], |s| s.a_metre.to_array());
-    layout::Light {
-        a_metre,
-        along: light.stray.along.to_array(),
-        across: light.stray.across.to_array(),
     }
 }
 
@@ -306,9 +296,11 @@ fn projections(light: &Light) -> impl Iterator<Item = Projection> {
     samples.map(|((sample, &share), number)| Projection {
         origin: sample.origin.to_array(),
         lean: sample.lean.to_array(),
+        a_metre: sample.a_metre.to_array(),
+        along: light.stray.along.to_array(),
+        across: light.stray.across.to_array(),
         share: u32::from(share),
         number,
-        unused: [0; 2],
     })
 }
 

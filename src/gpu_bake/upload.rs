@@ -5,7 +5,7 @@ use crate::capture::{ALPHA_CUTOFF, Pass};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::image::atlas::Rect;
 use crate::image::{Image, Texel};
-use crate::math::float;
+use crate::math::{byte_from_unit, float};
 use bytemuck::Pod;
 use rayon::prelude::*;
 use wgpu::{Buffer, BufferUsages, TextureFormat};
@@ -107,10 +107,12 @@ pub(super) fn pipeline_layout(
 pub(super) struct Surfaces {
     /// Bark, four words a texel.
     pub(super) bark: Mips,
-    /// The atlas in the same form, with depths instead of slopes.
+    /// The atlas, two words a texel.
     pub(super) foliage: Mips,
     /// The slopes of the atlas, and where it has foliage.
     pub(super) outlines: Mips,
+    /// The longest side of a card in the atlas, metres.
+    pub(super) longest: f32,
 }
 
 /// All mips of an image in one texture: from the second on in a column beside the first.
@@ -122,7 +124,7 @@ pub(super) struct Mips {
     pub(super) bytes: u64,
 }
 
-/// A part of an image, and the length of the longer side of the capture there in metres; 0 if it is none.
+/// A part of an image, and the length of the longer side of the capture there; 0 if it is none.
 type Part = (Rect, f32);
 
 impl Surfaces {
@@ -145,16 +147,21 @@ impl Surfaces {
         };
         let parts = pass.parts.iter().map(|part| (part.outer(), longer(part)));
         let parts: Vec<Part> = parts.collect();
-        let words = TextureFormat::Rgba32Uint;
-        let word = TextureFormat::R32Uint;
+        let longest = parts.iter().fold(0.0, |most: f32, part| most.max(part.1));
+        let scaled = parts
+            .iter()
+            .map(|(rect, longer)| (*rect, longer / longest.max(1e-12)));
+        let scaled: Vec<Part> = scaled.collect();
+        let [word, pair, four] = [
+            TextureFormat::R32Uint,
+            TextureFormat::Rg32Uint,
+            TextureFormat::Rgba32Uint,
+        ];
         Ok(Self {
-            bark: Mips::new(gpu, ("bark", words), bark, &[(whole, 0.0)], |t, _| {
-                packed(t, slopes(t))
-            })?,
-            foliage: Mips::new(gpu, ("foliage", words), foliage, &parts, |t, longer| {
-                packed(t, (t.depth * longer).to_bits())
-            })?,
+            bark: Mips::new(gpu, ("bark", four), bark, &[(whole, 0.0)], |t, _| solid(t))?,
+            foliage: Mips::new(gpu, ("foliage", pair), foliage, &scaled, flat)?,
             outlines: Mips::new(gpu, ("outlines", word), foliage, &parts, outline)?,
+            longest,
         })
     }
 
@@ -267,16 +274,26 @@ pub(super) fn write<T: Pod>(
     bytes.len() as u64
 }
 
-/// A texel in four words, as the shaders of captures read it: red and green, blue and occlusion, one of its own,
-/// roughness and translucency.
-fn packed(texel: &Texel, own: u32) -> [u32; 4] {
+/// A texel of bark, as `shaders/capture_seen.wgsl` reads it.
+fn solid(texel: &Texel) -> [u32; 4] {
     let [r, g, b] = texel.albedo;
-    let rest = [texel.roughness, texel.translucency].map(crate::math::byte_from_unit);
+    let rest = [texel.roughness, texel.translucency].map(byte_from_unit);
     [
         two(unorm(r), unorm(g)),
         two(unorm(b), unorm(texel.occlusion)),
-        own,
+        slopes(texel),
         u32::from(u16::from_le_bytes(rest)),
+    ]
+}
+
+/// A texel of foliage on a card whose longer side is such a part of the longest card's, as
+/// `shaders/capture_texels.wgsl` reads it.
+fn flat(texel: &Texel, part: f32) -> [u32; 2] {
+    let [r, g, b] = texel.albedo.map(|c| byte_from_unit(c.max(0.0).sqrt()));
+    let rest = [texel.roughness, texel.translucency].map(byte_from_unit);
+    [
+        u32::from_le_bytes([r, g, b, byte_from_unit(texel.occlusion)]),
+        two(u16::from_le_bytes(rest), snorm(texel.depth * part)),
     ]
 }
 
