@@ -1,8 +1,8 @@
 // Captures, the first half: the surface that each sample sees, foliage alpha-tested. `src/capture/raster.rs` is the
 // processor's twin.
 //
-// Foliage is drawn many times over, so as little as possible is worked out for it here: which texel is seen, and
-// the normal, which needs the triangle. The rest is looked up once it is known what is in front.
+// Foliage is drawn many times over, so as little as possible is worked out for it here: which texel is seen, how near it
+// is, and the normal, which needs the triangle. The rest is looked up once it is known what is in front.
 
 // Four words a texel: red and green; blue and occlusion; the normal's slopes; roughness.
 @group(0) @binding(2) var bark: texture_2d<u32>;

@@ -20,7 +20,10 @@ struct Job {
     // Triangles that a thread draws.
     triangles: u32,
     // The coverage's texels across and down, and its number of mips.
-    coverage: vec4<u32>,
+    coverage: vec2<u32>,
+    mips: u32,
+    // Samples into whose masks a thread draws: they are a workgroup's number apart.
+    masks: u32,
 }
 
 // The parallel projection of one sample's light, and what it has in common with the light's other samples.
@@ -39,7 +42,7 @@ struct Projection {
     number: u32,
 }
 
-// Those of a batch, as many as every adapter's uniforms hold.
+// Those of a batch: every adapter's uniforms hold them.
 struct Batch {
     samples: array<Projection, 320>,
 }
@@ -62,8 +65,6 @@ struct Leaf {
 // One bit a texel of each of the batch's samples.
 @group(0) @binding(6) var<storage, read_write> masks: array<atomic<u32>>;
 
-// Samples into whose masks a thread draws: they are a workgroup's number apart.
-const SAMPLES: u32 = 2u;
 const GOLDEN: u32 = 0x9e3779b9u;
 const SPREAD: u32 = 0xc13fa9a9u;
 const STEP: u32 = 0xc13f91e1u;
@@ -207,7 +208,7 @@ fn draw_bark(triangle: u32, first: u32) {
     let at_c = point(bark[triangle * 3u + 2u]);
     var cut: Cut;
     cut.solid = true;
-    for (var i = first; i < min(first + SAMPLES * 64u, job.samples); i += 64u) {
+    for (var i = first; i < min(first + job.masks * 64u, job.samples); i += 64u) {
         let sample = batch.samples[i];
         let mask = i * job.row * job.size;
         draw(cut, shadow(sample, at_a), shadow(sample, at_b), shadow(sample, at_c), mask);
@@ -219,7 +220,7 @@ fn draw_leaf(triangle: u32, first: u32) {
     let at_a = point(leaf.corners[0]);
     let at_b = point(leaf.corners[1]);
     let at_c = point(leaf.corners[2]);
-    for (var i = first; i < min(first + SAMPLES * 64u, job.samples); i += 64u) {
+    for (var i = first; i < min(first + job.masks * 64u, job.samples); i += 64u) {
         let sample = batch.samples[i];
         let away = stray(sample, leaf.key);
         let a = shadow(sample, at_a) - at_a.y * away;
@@ -229,8 +230,8 @@ fn draw_leaf(triangle: u32, first: u32) {
         let to_c = c - a;
         let area = to_b.x * to_c.y - to_c.x * to_b.y;
         let index = clamp(floor_log2(leaf.uv_area / abs(area)) >> 1u, 0, leaf.last_level);
-        let level = min(u32(index), job.coverage.z - 1u);
-        let full = job.coverage.xy;
+        let level = min(u32(index), job.mips - 1u);
+        let full = job.coverage;
         let size = full >> vec2<u32>(level);
         let scale = vec2<f32>(size) / vec2<f32>(full);
         let beside = vec2<u32>(full.x, full.y - (full.y >> (max(level, 1u) - 1u)));
@@ -251,7 +252,7 @@ fn draw_leaf(triangle: u32, first: u32) {
 
 @compute @workgroup_size(64)
 fn cs_hard(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let sample = group.y * (SAMPLES * 64u) + local.x;
+    let sample = group.y * (job.masks * 64u) + local.x;
     if sample >= job.samples {
         return;
     }

@@ -394,6 +394,11 @@ fn card(half: f32, z: f32) -> pleach::mesh::Primitive {
 
 /// Draws scenes of one mesh and shot each with both.
 fn scenes(meshes: &[Mesh], texels: u32) -> Result<Tally, String> {
+    scenes_of(meshes, &[texels])
+}
+
+/// The same with shots of several sizes in every scene.
+fn scenes_of(meshes: &[Mesh], texels: &[u32]) -> Result<Tally, String> {
     let both = Both::new()?;
     let atlas = Ellipses.draw(0, 128, 128);
     let (bark, foliage) = (bark(), Foliage::of(atlas, 4));
@@ -408,7 +413,10 @@ fn scenes(meshes: &[Mesh], texels: u32) -> Result<Tally, String> {
         Ok(Scene {
             occlusion: Occlusion::unlit(&mesh),
             meshes: vec![mesh],
-            shots: vec![Shot::new(0, view(texels * 2), [texels; 2])],
+            shots: texels
+                .iter()
+                .map(|&texels| Shot::new(0, view(texels * 2), [texels; 2]))
+                .collect(),
         })
     };
     let pass = Pass {
@@ -459,7 +467,22 @@ fn degenerate() -> Outcome {
             .map_err(|e| e.to_string())?;
         both.tally().judge("shadow of a leaf, and of nothing")?;
     }
-    Ok(())
+    // A card as wide as the map: a software driver ends threads that go through too many loops.
+    let both = Both::new()?;
+    let alpha = Image::filled(8, 8, 255);
+    let wide = Mesh {
+        foliage: card(2.0, 0.1),
+        ..Mesh::default()
+    };
+    shadow::bake_with(
+        &both,
+        &wide,
+        (&alpha, 128),
+        &shadow::Settings::default(),
+        &Quiet,
+    )
+    .map_err(|e| e.to_string())?;
+    both.tally().judge("shadow of a wide card")
 }
 
 fn several_sheets() -> Outcome {
@@ -467,10 +490,18 @@ fn several_sheets() -> Outcome {
         foliage: card(0.02 * f32::from(index) + 0.1, 0.0),
         bark: card(0.01, 0.1),
     };
-    // Nine pictures of 2048 samples squared; a sheet holds four.
-    let tally = scenes(&(0..9).map(mesh).collect::<Vec<_>>(), 1024)?;
-    assert_eq!(tally.pictures, 9);
-    tally.judge("nine large pictures")
+    // Pictures of 2048 samples squared; a sheet holds one.
+    let tally = scenes(&(0..3).map(mesh).collect::<Vec<_>>(), 1024)?;
+    assert_eq!(tally.pictures, 3);
+    tally.judge("three large pictures")?;
+    // Pictures of several sizes; a sheet holds two scenes.
+    let tally = scenes_of(&(0..5).map(mesh).collect::<Vec<_>>(), &[300, 30, 500])?;
+    assert_eq!(tally.pictures, 15);
+    tally.judge("fifteen pictures of three sizes")?;
+    // Two pictures of one scene are more than sheets hold otherwise.
+    let tally = scenes_of(&[mesh(3)], &[1100, 1100])?;
+    assert_eq!(tally.pictures, 2);
+    tally.judge("two large pictures of one scene")
 }
 
 fn same_twice() -> Outcome {

@@ -11,6 +11,10 @@ use crate::mesh::{Mesh, Primitive, Vertex};
 /// Bytes of vertices beyond which another group is begun.
 const GROUP_BYTES: u64 = 64 << 20;
 
+/// Samples beyond which another group is begun: 48 MiB with their depths. Larger sheets are no faster on a card, and
+/// slower on a software driver, which first has to get their memory.
+pub(super) const GROUP_SAMPLES: u64 = 1 << 22;
+
 /// Why a scene fits no group.
 pub(super) fn too_large(gpu: &Gpu, scene: &Ready) -> GpuError {
     let limits = gpu.device.limits();
@@ -94,10 +98,11 @@ impl Group {
     pub(super) fn add(&mut self, scene: Ready) -> Option<Ready> {
         let bytes = scene.bytes();
         let (buffer, edge) = self.limits;
-        let most = if self.scenes.is_empty() {
-            buffer
+        // A scene is drawn whole, however large.
+        let (most, most_samples) = if self.scenes.is_empty() {
+            (buffer, u64::MAX)
         } else {
-            buffer.min(GROUP_BYTES)
+            (buffer.min(GROUP_BYTES), GROUP_SAMPLES)
         };
         let mut sheet = self.sheet;
         let shots = scene.scene.shots.iter();
@@ -106,6 +111,7 @@ impl Group {
             .collect();
         let grids = grids_with(self.grids, &scene.scene);
         let fits = self.bytes + bytes <= most
+            && sheet.samples() <= most_samples
             && bytes_back(sheet.size(), self.supersample) <= buffer
             && grids.iter().all(|&n| n <= edge);
         let Some(places) = places.filter(|_| fits) else {

@@ -54,7 +54,9 @@ pub struct Job {
     pub first: u32,
     pub a_light: u32,
     pub triangles: u32,
-    pub coverage: [u32; 4],
+    pub coverage: [u32; 2],
+    pub mips: u32,
+    pub masks: u32,
 }
 
 /// `Projection` of `shaders/shadow_bake.wgsl`.

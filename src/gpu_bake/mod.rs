@@ -3,8 +3,8 @@
 //!
 //! Captures: all shots of a pass lie side by side on one sheet of samples. One render pass lights the grids of leaf
 //! density, one keeps the nearest surface of each sample in eight bytes, one averages them to texels and shades
-//! those, and one copy brings them back. Shadows: one thread a triangle and light marks texels in bit masks, which a
-//! second pass sums: no rasteriser is as quick with triangles of a few texels.
+//! those, and one copy brings them back. Shadows: threads mark the texels of some triangles in the bit masks of a few
+//! samples, which a second pass sums: no rasteriser is as quick with triangles of a few texels.
 //!
 //! Where there is a choice, it is what a software driver does fast: it has no time to lose, and a card does not
 //! mind. Such a driver reads storage buffers one thread after the other, textures and uniforms all at once.

@@ -1,6 +1,6 @@
 //! The passes that draw a group of captures, and their pipelines.
 
-use super::group::{List, count};
+use super::group::{GROUP_SAMPLES, List, count};
 use super::upload;
 use crate::gpu::{Gpu, shader};
 use crate::mesh::Vertex;
@@ -109,13 +109,19 @@ impl Targets {
         }
     }
 
-    /// Those of the group before, if they hold what this one draws; larger ones if not.
+    /// Those of the group before, if they hold what this one draws; larger ones if not, as long as both are small.
     pub(super) fn holding(gpu: &Gpu, before: Option<Self>, size: Size) -> Self {
-        match before {
-            Some(before) if before.size.holds(&size) => before,
-            Some(before) => Self::new(gpu, before.size.with(&size)),
-            None => Self::new(gpu, size),
+        let Some(before) = before else {
+            return Self::new(gpu, size);
+        };
+        if before.size.holds(&size) {
+            return before;
         }
+        let both = before.size.with(&size);
+        drop(before);
+        let [across, down] = both.samples.map(u64::from);
+        let is_small = across * down <= GROUP_SAMPLES;
+        Self::new(gpu, if is_small { both } else { size })
     }
 
     /// Samples across and down.

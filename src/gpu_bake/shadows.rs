@@ -3,6 +3,7 @@
 use super::layout::{BATCH, Job, Projection};
 use super::{Baker, Tally, passes, upload};
 use crate::gpu::{Gpu, GpuError, shader};
+use crate::math::{Vec2, floor_to_u32};
 use crate::report::{Cancelled, MachineFault, Progress};
 use crate::shadow::{BakeError, Coverage, Light, Work};
 use bytemuck::Zeroable;
@@ -14,14 +15,8 @@ const MASK_BYTES: u64 = 64 << 20;
 /// Threads of a workgroup, as in `shaders/shadow_bake.wgsl`.
 const GROUP: u32 = 64;
 
-/// Samples into whose masks a thread draws, as there.
-const SAMPLES: u32 = 2;
-
-/// Triangles that a thread draws into maps of so many texels along an edge: fewer into large ones, since a software
-/// driver ends threads that go through 65,535 loops.
-fn a_thread(size: u32) -> u32 {
-    (64 * 256 / size.max(1)).clamp(1, 64)
-}
+/// Loops that a thread may go through: a software driver ends it after 65,535, and samples of a light differ a little.
+const LOOPS: u32 = 40_000;
 
 /// Most workgroups along one axis on every adapter.
 const MOST_GROUPS: u32 = 65_535;
@@ -89,6 +84,7 @@ impl<'a> Bench<'a> {
         let casters = work.casters;
         check(gpu, work)?;
         let coverage = Mips::new(gpu, work.coverage)?;
+        let (triangles, masks) = share(work);
         let bytes_up = size_of_val(&casters.points[..])
             + size_of_val(&casters.bark[..])
             + size_of_val(&casters.leaves[..]);
@@ -106,8 +102,10 @@ impl<'a> Bench<'a> {
                 samples: 0,
                 first: 0,
                 a_light: count(work.lights.first().map_or(0, |l| l.samples.len())),
-                triangles: a_thread(work.size),
-                coverage: coverage.about,
+                triangles,
+                coverage: coverage.size,
+                mips: coverage.mips,
+                masks,
             },
             points: upload::storage(gpu, "points", &casters.points),
             bark: upload::storage(gpu, "bark", &casters.bark),
@@ -218,7 +216,7 @@ impl<'a> Bench<'a> {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(hard);
         pass.set_bind_group(0, &of_hard, &[]);
-        pass.dispatch_workgroups(triangles, job.samples.div_ceil(GROUP * SAMPLES), 1);
+        pass.dispatch_workgroups(triangles, job.samples.div_ceil(GROUP * job.masks), 1);
         drop(pass);
         let halves = usize::try_from(self.words() * 2).unwrap_or(usize::MAX);
         let groups = count(halves).div_ceil(GROUP);
@@ -227,6 +225,34 @@ impl<'a> Bench<'a> {
         pass.set_bind_group(0, &of_sum, &[]);
         pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), count(lights));
     }
+}
+
+/// How many triangles a thread draws, and into how many masks: fewer of large ones. One that fills a map of more than
+/// 256 texels may still be too much for a software driver.
+fn share(work: &Work<'_>) -> (u32, u32) {
+    let casters = work.casters;
+    let most = work.lights.iter().filter_map(|light| {
+        let sample = light.samples.first()?;
+        let shadow = |&at: &u32| {
+            let [x, y, z] = casters.points[at as usize];
+            Vec2::new(x, z) * sample.a_metre - sample.lean * y
+        };
+        let extent = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.each_ref().map(shadow);
+            let [across, down] = (a.max(b).max(c) - a.min(b).min(c)).to_array();
+            let within = |length: f32| floor_to_u32(length.max(0.0)).min(work.size) + 1;
+            (within(across), within(down))
+        };
+        let leaf = |(across, down): (u32, u32)| down.saturating_mul(across + 2);
+        let solid = |(across, down): (u32, u32)| down.saturating_mul(across / 32 + 3);
+        let leaves = casters.leaves.iter().map(|l| leaf(extent(&l.corners)));
+        leaves
+            .chain(casters.bark.iter().map(|c| solid(extent(c))))
+            .max()
+    });
+    let most = most.max().unwrap_or(1);
+    let masks = if most <= LOOPS / 2 { 2 } else { 1 };
+    ((LOOPS / (most * masks)).clamp(1, 64), masks)
 }
 
 /// Refuses what the adapter's buffers cannot hold.
@@ -241,7 +267,7 @@ fn check(gpu: &Gpu, work: &Work<'_>) -> Result<(), GpuError> {
         (
             "what casts shadows, triangles,",
             (casters.bark.len() + casters.leaves.len()) as u64,
-            u64::from(MOST_GROUPS * a_thread(work.size)),
+            u64::from(MOST_GROUPS * share(work).0),
         ),
     ] {
         if size > limit {
@@ -259,7 +285,8 @@ fn count(things: usize) -> u32 {
 /// All mips of the coverage, as those of captures lie, four texels a word.
 struct Mips {
     view: wgpu::TextureView,
-    about: [u32; 4],
+    size: [u32; 2],
+    mips: u32,
     bytes: u64,
 }
 
@@ -280,13 +307,13 @@ impl Mips {
             }
         }
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST;
-        let (format, size) = (wgpu::TextureFormat::R32Uint, [row / 4, down]);
-        let texture = passes::texture(gpu, "coverage", format, size, usage);
-        let (words, _) = texels.as_chunks::<4>();
+        let (format, words) = (wgpu::TextureFormat::R32Uint, [row / 4, down]);
+        let texture = passes::texture(gpu, "coverage", format, words, usage);
         Ok(Self {
-            bytes: upload::write(gpu, &texture, [0, 0], size, words),
+            bytes: upload::write(gpu, &texture, [0, 0], words, texels.as_chunks::<4>().0),
             view: passes::whole(&texture),
-            about: [width, height, count(levels.len()), 0],
+            size: [width, height],
+            mips: count(levels.len()),
         })
     }
 }

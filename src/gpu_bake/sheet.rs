@@ -3,10 +3,6 @@
 /// Width of a sheet, samples; wider where one shot is.
 const WIDTH: u32 = 4096;
 
-/// Samples of a sheet beyond which another one is begun: 48 MiB with their depths. Larger ones are no faster on a card,
-/// and slower on a software driver, which first has to get their memory.
-const MOST: u64 = 1 << 22;
-
 /// Rows of shots.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet {
@@ -37,7 +33,13 @@ impl Sheet {
         [self.width.max(1), (self.y + self.row).max(1)]
     }
 
-    /// Where a shot of a size fits, or `None` if another sheet should be begun.
+    /// Samples, air between shots included.
+    pub(super) fn samples(&self) -> u64 {
+        let [across, down] = self.size();
+        u64::from(across) * u64::from(down)
+    }
+
+    /// Where a shot of a size fits, or `None` if the sheet would be larger than the adapter allows.
     pub(super) fn place(&mut self, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
         let widest = WIDTH.max(width).min(self.limit);
         let mut next = *self;
@@ -49,9 +51,7 @@ impl Sheet {
         next.row = next.row.max(height);
         next.width = next.width.max(next.x);
         let [across, down] = next.size();
-        let fits = across <= self.limit && down <= self.limit;
-        let is_first = self.width == 0;
-        if !fits || (!is_first && u64::from(across) * u64::from(down) > MOST) {
+        if across > self.limit || down > self.limit {
             return None;
         }
         *self = next;
@@ -82,11 +82,13 @@ mod tests {
     }
 
     #[test]
-    fn a_shot_wider_than_usual_has_a_sheet_of_its_own_and_one_beyond_the_limit_none() {
+    fn a_shot_wider_than_usual_widens_the_sheet_and_one_beyond_the_limit_has_none() {
         assert_eq!(Sheet::new(16_384).place([9000, 9000]), Some([0, 0]));
         assert_eq!(Sheet::new(8192).place([9000, 10]), None);
         let mut sheet = Sheet::new(16_384);
         assert!(sheet.place([9000, 9000]).is_some());
-        assert_eq!(sheet.place([10, 10]), None, "a full sheet");
+        assert_eq!(sheet.place([10, 10]), Some([0, 9000]), "below it");
+        assert_eq!(sheet.samples(), 9000 * 9010);
+        assert_eq!(sheet.place([10, 8000]), None, "a full sheet");
     }
 }
