@@ -82,9 +82,9 @@ impl<'a> Bench<'a> {
     fn new(baker: &'a Baker, work: &Work<'_>) -> Result<Self, GpuError> {
         let gpu = &baker.gpu;
         let casters = work.casters;
-        check(gpu, work)?;
+        let (triangles, masks) = a_thread(work);
+        check(gpu, work, triangles)?;
         let coverage = Mips::new(gpu, work.coverage)?;
-        let (triangles, masks) = share(work);
         let bytes_up = size_of_val(&casters.points[..])
             + size_of_val(&casters.bark[..])
             + size_of_val(&casters.leaves[..]);
@@ -229,7 +229,7 @@ impl<'a> Bench<'a> {
 
 /// How many triangles a thread draws, and into how many masks: fewer of large ones. One that fills a map of more than
 /// 256 texels may still be too much for a software driver.
-fn share(work: &Work<'_>) -> (u32, u32) {
+fn a_thread(work: &Work<'_>) -> (u32, u32) {
     let casters = work.casters;
     let most = work.lights.iter().filter_map(|light| {
         let sample = light.samples.first()?;
@@ -255,8 +255,8 @@ fn share(work: &Work<'_>) -> (u32, u32) {
     ((LOOPS / (most * masks)).clamp(1, 64), masks)
 }
 
-/// Refuses what the adapter's buffers cannot hold.
-fn check(gpu: &Gpu, work: &Work<'_>) -> Result<(), GpuError> {
+/// Refuses what the adapter's buffers cannot hold, and more triangles than its threads draw, so many each.
+fn check(gpu: &Gpu, work: &Work<'_>, a_thread: u32) -> Result<(), GpuError> {
     let casters = work.casters;
     let binding = gpu.device.limits().max_storage_buffer_binding_size;
     let leaves = size_of_val(&casters.leaves[..]).max(size_of_val(&casters.points[..]));
@@ -267,7 +267,7 @@ fn check(gpu: &Gpu, work: &Work<'_>) -> Result<(), GpuError> {
         (
             "what casts shadows, triangles,",
             (casters.bark.len() + casters.leaves.len()) as u64,
-            u64::from(MOST_GROUPS * share(work).0),
+            u64::from(MOST_GROUPS * a_thread),
         ),
     ] {
         if size > limit {
