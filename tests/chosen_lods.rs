@@ -61,10 +61,10 @@ fn budgets_are_kept_and_used() {
             assert_eq!(triangles.total(), lod(asset, budget).mesh.triangles());
             let used = triangles.total();
             assert!(used <= budget, "{}: {used} > {budget}", script.slug);
-            // Eight triangles are two sets of crossed quads at best.
+            // Eight triangles are two sets of crossed quads at best. The next better form of a sub-tree may be sixteen away.
             if budget > 8 {
                 assert!(
-                    100 * used >= 97 * budget,
+                    100 * used >= 97 * budget || budget - used < 16,
                     "{}: {used} of {budget}",
                     script.slug
                 );

@@ -202,6 +202,22 @@ fn hull(mut fronts: Vec<(u64, f64)>) -> Vec<(u64, f64)> {
     hull
 }
 
+/// A level of one prototype on one other.
+fn plain_branch(links: u32, vary: f32) -> BranchSketch {
+    BranchSketch {
+        links,
+        children: 1,
+        variants: 1,
+        splines: 1,
+        gnarl: 0.0,
+        vary,
+        sides: 3,
+        tropism: 0.0,
+        skip: 0,
+        pipe_model: 0.0,
+    }
+}
+
 /// Trees of at most eight branches.
 fn tiny() -> impl Strategy<Value = Sketch> {
     let shape = prop_oneof![
@@ -213,18 +229,8 @@ fn tiny() -> impl Strategy<Value = Sketch> {
         Just(vec![1, 1, 3]),
     ];
     (any::<u64>(), shape, 1..=4_u32, 5..=40_i16).prop_map(|(seed, links, leaves, vary)| {
-        let branch = |links| BranchSketch {
-            links,
-            children: 1,
-            variants: 1,
-            splines: 1,
-            gnarl: 0.0,
-            vary: f32::from(vary) / 100.0,
-            sides: 3,
-            tropism: 0.0,
-            skip: 0,
-            pipe_model: 0.0,
-        };
+        let vary = f32::from(vary) / 100.0;
+        let branch = |links| plain_branch(links, vary);
         let mut branches = vec![branch(1)];
         branches.extend(links.into_iter().map(branch));
         Sketch {
@@ -240,6 +246,46 @@ fn tiny() -> impl Strategy<Value = Sketch> {
             },
         }
     })
+}
+
+/// A chain of a trunk, a limb and a twig, and the twig's scale on the limb.
+fn chain() -> (Tree, f32) {
+    let tree = Sketch {
+        seed: 1,
+        stems: None,
+        roots: false,
+        branches: vec![plain_branch(1, 0.0); 3],
+        leaves: LeafSketch {
+            links: 1,
+            children: 1,
+            kinds: 1,
+            tropism: 0.0,
+        },
+    }
+    .tree();
+    let scale = branches(&tree, 1, 0)[0].2;
+    (tree, scale)
+}
+
+#[test]
+fn what_is_left_opens_a_node_that_no_price_opens() {
+    let (tree, scale) = chain();
+    // The limb is so good in eight triangles that all prices go from there to the whole twig at once.
+    let poor_twig = offer(492, 0.9 / (scale * scale), false);
+    let offers = vec![
+        vec![vec![offer(4, 0.0, true), offer(4, 100.0, false)]],
+        vec![vec![offer(4, 0.0, true), offer(8, 1.0, false)]],
+        vec![vec![offer(1000, 0.0, true), poor_twig]],
+        vec![vec![]],
+    ];
+    let menu = Menu { offers };
+    let cutter = Cutter::new(&tree, &menu);
+    let cut = |budget| cutter.cut(budget).expect("enough").choices;
+    assert_eq!(cut(499), [0, 1], "too little for the twig");
+    assert_eq!(cut(900), [0, 0, 1], "the twig as it fits");
+    assert_eq!(cut(2000), [0, 0, 0]);
+    // Where next to nothing is left, it stays.
+    assert_eq!(cut(12), [0, 1]);
 }
 
 /// Budgets from the smallest form to above full detail, rising by a tenth.

@@ -7,12 +7,15 @@
 //! Method: Lagrangian relaxation. For a price per triangle, the best choice of a node depends on its
 //! prototype and its scale alone (errors are areas, so they go with the scale squared), hence one table a
 //! prototype serves all of its nodes: the law of sharing again. The price is bisected until the front fits;
-//! what is left of the budget goes to single nodes, the largest gain per triangle first. So the result is
-//! near a corner of the convex hull of what fronts can reach; between two far corners the optimum may err
-//! less, and prices in steps of 15 % pass over corners whose slopes hardly differ.
+//! what is left of the budget goes to single nodes, the largest gain per triangle first, and opens nodes that no
+//! price opens (`spend`). So the result is near a corner of the convex hull of what fronts can reach; between two
+//! far corners the optimum may err less, and prices in steps of 15 % pass over corners whose slopes hardly differ.
 //!
 //! Errors are sums over nodes: how nodes hide each other must be in the menu's numbers already.
-//! Cost: `O(prices x links)` for the tables and `O(front)` for each of some forty walks.
+//! Cost: `O(prices x links)` for the tables, `O(front)` for each of some forty walks, and some forty walks over a
+//! sub-tree for each node that is tried open: 24 for each one opened, at most 64 times.
+
+mod spend;
 
 use crate::tree::{Kind, Tree};
 
@@ -145,14 +148,23 @@ impl<'a> Cutter<'a> {
     /// The summed error of a front, square metres.
     #[must_use]
     pub fn error(&self, front: &Front) -> f32 {
+        self.error_from(Node::ROOT, front)
+    }
+
+    /// The summed error of the front of a sub-tree, in the tree's scale.
+    fn error_from(&self, node: Node, front: &Front) -> f32 {
         let mut sum = 0.0;
-        self.walk(0, 0, 1.0, &mut |level, prototype, scale, node| {
-            let choice = usize::from(front.choices[node]);
-            let offer = &self.menu.offers[level][prototype][choice];
-            sum += offer.error * scale * scale;
+        self.walk(node, &mut |node, at| {
+            let offer = self.offers(node)[usize::from(front.choices[at])];
+            sum += offer.error * node.scale * node.scale;
             offer.open
         });
         sum
+    }
+
+    /// What a node may be.
+    fn offers(&self, node: Node) -> &'a [Offer] {
+        &self.menu.offers[node.level][node.prototype]
     }
 
     /// The front of least summed error within `budget`; `None` if even the smallest form is above it.
@@ -167,7 +179,7 @@ impl<'a> Cutter<'a> {
             return Some(rich);
         }
         // Between a price that is too low and one that is not.
-        let (mut low, mut high) = (self.low * 1e-3, self.low * 1e12);
+        let (mut low, mut high) = self.prices();
         for _ in 0..HALVINGS {
             let middle = (low * high).sqrt();
             if self.front(middle).triangles <= budget {
@@ -180,97 +192,28 @@ impl<'a> Cutter<'a> {
         let front = if front.triangles > budget {
             cheap
         } else {
-            self.mixed(&front, low, high, budget)
+            self.mixed(&front, [low, high], budget)
         };
-        Some(self.filled(front, budget))
+        Some(self.opened(self.filled(front, budget), high, budget))
     }
 
-    /// Spends what is left of the budget on richer forms of single nodes, the largest gain per triangle first.
-    fn filled(&self, mut front: Front, budget: u64) -> Front {
-        loop {
-            let steps = self.steps(&front);
-            let mut changed = false;
-            let mut choices = front.choices.clone();
-            let mut left = budget - front.triangles;
-            for step in &steps {
-                if step.cost <= left {
-                    choices[step.node] = step.offer;
-                    left -= step.cost;
-                    changed = true;
-                }
-            }
-            if !changed {
-                break;
-            }
-            front = Front {
-                choices,
-                triangles: budget - left,
-            };
-        }
-        front
+    /// A price so low that the best of everything is taken, and one so high that the cheapest is.
+    fn prices(&self) -> (f32, f32) {
+        (self.low * 1e-3, self.low * 1e12)
     }
 
-    /// Better closed offers for the front's closed nodes, the largest gain per triangle first, one a node;
-    /// and finer branches for its open ones.
-    fn steps(&self, front: &Front) -> Vec<Step> {
-        let mut steps: Vec<Step> = Vec::new();
-        self.walk(0, 0, 1.0, &mut |level, prototype, scale, node| {
-            let choice = front.choices[node];
-            let offers = &self.menu.offers[level][prototype];
-            let now = offers[choice as usize];
-            let mut best: Option<Step> = None;
-            for (index, offer) in (0_u16..).zip(offers) {
-                let better = offer.open == now.open
-                    && offer.triangles > now.triangles
-                    && offer.error < now.error;
-                if !better {
-                    continue;
-                }
-                let cost = offer.triangles - now.triangles;
-                #[expect(clippy::cast_precision_loss, reason = "a rate needs few digits")]
-                let rate = (now.error - offer.error) * scale * scale / cost as f32;
-                // The cheapest step of a node first: the next ones follow in later rounds.
-                if best.as_ref().is_none_or(|b| cost < b.cost) {
-                    best = Some(Step {
-                        node,
-                        offer: index,
-                        cost,
-                        rate,
-                    });
-                }
-            }
-            steps.extend(best);
-            now.open
-        });
-        steps.sort_by(|a, b| b.rate.total_cmp(&a.rate).then(a.node.cmp(&b.node)));
-        steps
+    /// Visits the nodes of a front from one on, in its order, with the place of each among the front's choices;
+    /// `visit` tells whether a node is open.
+    fn walk(&self, node: Node, visit: &mut dyn FnMut(Node, usize) -> bool) {
+        self.walk_from(node, &mut 0, visit);
     }
 
-    /// Visits the nodes of a front in its order; `visit` tells whether a node is open.
-    fn walk(
-        &self,
-        level: usize,
-        prototype: usize,
-        scale: f32,
-        visit: &mut dyn FnMut(usize, usize, f32, usize) -> bool,
-    ) {
-        let mut node = 0;
-        self.walk_from(level, prototype, scale, &mut node, visit);
-    }
-
-    fn walk_from(
-        &self,
-        level: usize,
-        prototype: usize,
-        scale: f32,
-        node: &mut usize,
-        visit: &mut dyn FnMut(usize, usize, f32, usize) -> bool,
-    ) {
-        let open = visit(level, prototype, scale, *node);
-        *node += 1;
+    fn walk_from(&self, node: Node, at: &mut usize, visit: &mut dyn FnMut(Node, usize) -> bool) {
+        let open = visit(node, *at);
+        *at += 1;
         if open {
-            for (level, prototype, inner) in self.children(level, prototype) {
-                self.walk_from(level, prototype, scale * inner, node, visit);
+            for child in self.children(node.level, node.prototype) {
+                self.walk_from(node.child(child), at, visit);
             }
         }
     }
@@ -340,27 +283,43 @@ impl<'a> Cutter<'a> {
 
     /// The front at a price; an infinite price asks for the fewest triangles, zero for the least error.
     fn front(&self, price: f32) -> Front {
+        self.front_from(Node::ROOT, price, self.open_root)
+    }
+
+    /// The same of a sub-tree, whose node must be open if it can be.
+    fn front_from(&self, node: Node, price: f32, must_open: bool) -> Front {
         let mut front = Front::default();
-        self.grow(0, 0, 1.0, price, &mut front);
+        let choice = self.choice(node, price, must_open);
+        self.grow(node, choice, price, &mut front);
         front
     }
 
-    fn grow(&self, level: usize, prototype: usize, scale: f32, price: f32, front: &mut Front) {
-        let choice = self.choice(level, prototype, scale, price);
-        let offer = self.menu.offers[level][prototype][choice as usize];
-        front.choices.push(choice);
-        front.triangles += offer.triangles;
-        if offer.open {
-            front.triangles += self.leaves[level][prototype];
-            for (level, prototype, inner) in self.children(level, prototype) {
-                self.grow(level, prototype, scale * inner, price, front);
+    /// Adds a node, drawn in some way, to a front, and what grows on it as the price has it.
+    fn grow(&self, node: Node, choice: u16, price: f32, front: &mut Front) {
+        if self.add(node, choice, front) {
+            for child in self.children(node.level, node.prototype) {
+                let child = node.child(child);
+                let choice = self.choice(child, price, false);
+                self.grow(child, choice, price, front);
             }
         }
     }
 
-    fn choice(&self, level: usize, prototype: usize, scale: f32, price: f32) -> u16 {
-        let offers = &self.menu.offers[level][prototype];
-        let must_open = self.open_root && level == 0 && offers.iter().any(|o| o.open);
+    /// Adds a node alone to a front, with its leaves; true if it is open.
+    fn add(&self, node: Node, choice: u16, front: &mut Front) -> bool {
+        let offer = self.offers(node)[usize::from(choice)];
+        front.choices.push(choice);
+        front.triangles += offer.triangles;
+        if offer.open {
+            front.triangles += self.leaves[node.level][node.prototype];
+        }
+        offer.open
+    }
+
+    /// How a node is drawn at a price.
+    fn choice(&self, node: Node, price: f32, must_open: bool) -> u16 {
+        let offers = self.offers(node);
+        let must_open = must_open && offers.iter().any(|o| o.open);
         if price == f32::INFINITY {
             // Closed nodes are never more than what they stand for, by construction of the menu.
             let least = (0_u16..)
@@ -375,84 +334,8 @@ impl<'a> Cutter<'a> {
                 .min_by(|(_, a), (_, b)| b.open.cmp(&a.open).then(a.error.total_cmp(&b.error)));
             return best.map_or(0, |(i, _)| i);
         }
-        self.best_of(level, prototype, price / (scale * scale), must_open)
-            .0
-    }
-
-    /// The front of the higher price, with the sub-trees that the lower price draws otherwise, as long as
-    /// they fit, the largest gain per triangle first.
-    fn mixed(&self, front: &Front, low: f32, high: f32, budget: u64) -> Front {
-        let mut swaps = Vec::new();
-        self.compare(Node::ROOT, low, high, &mut swaps);
-        let mut order: Vec<usize> = (0..swaps.len()).collect();
-        order.sort_by(|&a, &b| swaps[b].rate.total_cmp(&swaps[a].rate).then(a.cmp(&b)));
-        let mut taken = vec![false; swaps.len()];
-        let mut left = budget - front.triangles;
-        for swap in order {
-            if swaps[swap].cost <= left {
-                left -= swaps[swap].cost;
-                taken[swap] = true;
-            }
-        }
-        let mut mixed = Front::default();
-        let mut next = 0;
-        self.merge(Node::ROOT, low, high, &taken, &mut next, &mut mixed);
-        mixed
-    }
-
-    /// Where two prices choose differently, with what the change costs and gains.
-    fn compare(&self, node: Node, low: f32, high: f32, swaps: &mut Vec<Step>) {
-        let [rich, poor] =
-            [low, high].map(|p| self.choice(node.level, node.prototype, node.scale, p));
-        let offers = &self.menu.offers[node.level][node.prototype];
-        if rich != poor {
-            let [a, b] = [low, high].map(|price| {
-                let mut front = Front::default();
-                self.grow(node.level, node.prototype, node.scale, price, &mut front);
-                front.triangles
-            });
-            let cost = a.saturating_sub(b);
-            #[expect(clippy::cast_precision_loss, reason = "a rate needs few digits")]
-            let rate = 1.0 / cost.max(1) as f32 * node.scale * node.scale;
-            swaps.push(Step {
-                node: 0,
-                offer: rich,
-                cost: if a < b { u64::MAX } else { cost },
-                rate,
-            });
-        } else if offers[rich as usize].open {
-            for child in self.children(node.level, node.prototype) {
-                self.compare(node.child(child), low, high, swaps);
-            }
-        }
-    }
-
-    fn merge(
-        &self,
-        node: Node,
-        low: f32,
-        high: f32,
-        taken: &[bool],
-        next: &mut usize,
-        front: &mut Front,
-    ) {
-        let [rich, poor] =
-            [low, high].map(|p| self.choice(node.level, node.prototype, node.scale, p));
-        if rich != poor {
-            let price = if taken[*next] { low } else { high };
-            *next += 1;
-            self.grow(node.level, node.prototype, node.scale, price, front);
-            return;
-        }
-        let offer = self.menu.offers[node.level][node.prototype][rich as usize];
-        front.choices.push(rich);
-        front.triangles += offer.triangles;
-        if offer.open {
-            front.triangles += self.leaves[node.level][node.prototype];
-            for child in self.children(node.level, node.prototype) {
-                self.merge(node.child(child), low, high, taken, next, front);
-            }
-        }
+        let price = price / (node.scale * node.scale);
+        self.best_of(node.level, node.prototype, price, must_open).0
     }
 }
 
@@ -478,14 +361,6 @@ impl Node {
             scale: self.scale * scale,
         }
     }
-}
-
-/// A change of one node's offer.
-struct Step {
-    node: usize,
-    offer: u16,
-    cost: u64,
-    rate: f32,
 }
 
 fn is_leaf(tree: &Tree, level: usize) -> bool {
