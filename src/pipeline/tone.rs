@@ -26,9 +26,6 @@ use rayon::prelude::*;
 /// since a card is lit otherwise in each of its mips, by up to a twentieth.
 const SAMPLES: [f32; 3] = [208.0, 160.0, 112.0];
 
-/// Of the calibration views, each second one: of means they tell as much.
-const STEP: usize = 2;
-
 /// Mips that the samples need.
 const MIPS: usize = 5;
 
@@ -214,7 +211,7 @@ pub(super) fn measure(
         });
         compared.collect()
     };
-    let views: Vec<_> = calibration().into_iter().step_by(STEP).collect();
+    let views = calibration();
     let views: Vec<Vec<Vec<Sums>>> = views.par_iter().enumerate().map(of_view).collect();
     let mut sums = vec![vec![Sums::default(); groups.len() + 1]; lods.len()];
     for part in &views {
