@@ -9,7 +9,7 @@ use pleach::impostor::cross_quad::CrossQuads;
 use pleach::lod::{Selector, State};
 use pleach::math::Similarity;
 use pleach::mesh::{Flattener, Form, Mesh, Vertex};
-use pleach::species::schema::Species;
+use pleach::species::schema::{Curve, Species};
 use pleach::species::{self, NoFiles};
 use pleach::tree::{Limits, Tree, grow};
 use rayon::prelude::*;
@@ -32,14 +32,17 @@ fn main() {
     divan::main();
 }
 
-/// The olive with its links multiplied: `[limbs, branches, twigs, sprigs]`.
+/// The olive without its two outermost levels of branches, and with its links multiplied: `[limbs, branches,
+/// branchlets, sprigs]`.
 fn olive(links: [u32; 4]) -> Species {
     let text = include_str!("../species/olive.ron");
     let mut species = species::parse("olive.ron", text, &NoFiles).expect("a sound script");
-    let levels = species.levels.len();
-    for (level, links) in species.levels[levels - 4..].iter_mut().zip(links) {
+    species.levels.drain(4..6);
+    species.levels[4].parent = Some(3);
+    for (level, links) in species.levels[1..].iter_mut().zip(links) {
         level.placement.links = links;
         level.placement.children = 1;
+        level.placement.skip = Curve::constant(0.0);
     }
     species
 }
@@ -49,7 +52,7 @@ fn grown(species: &Species) -> Tree {
     grow(species, 1, &limits).expect("within the limits")
 }
 
-/// Ten million leaves: 40 limbs of 50 branches of 100 twigs of 50 sprigs.
+/// Ten million leaves: 40 limbs of 50 branches of 100 branchlets of 50 sprigs.
 fn millions() -> Tree {
     grown(&olive([40, 50, 100, 50]))
 }

@@ -262,9 +262,9 @@ fn a_tree_of_n_levels_and_k_branch_types_has_twice_n_less_one_plus_k_captures() 
     // Three levels, two branch types: one spline, but two tapers and thicknesses.
     let sapling = generate(&script, dir.path(), &["--json"]).json();
     assert_eq!(sapling["pack"]["captures"], (3 - 1 + 2) * 2);
-    // The olive has five and four.
+    // The olive has seven and six.
     let olive = pleach(&["inspect", utf8(&olive()), "--json"]).json();
-    assert_eq!(olive["captures"], (5 - 1 + 4) * 2);
+    assert_eq!(olive["captures"], (7 - 1 + 6) * 2);
 }
 
 #[test]
