@@ -61,6 +61,10 @@ fn main() -> ExitCode {
             "levels_of_a_large_tree_are_shown_in_the_picture",
             studio_view::oak,
         ),
+        (
+            "captures_of_sketches_are_whose_they_are_asked_of",
+            studio_view::bakers,
+        ),
         ("lods_are_measured_and_their_budgets_changed", lods),
         ("two_lods_are_compared_beside_a_line", compared),
         (

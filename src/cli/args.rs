@@ -400,9 +400,24 @@ pub(crate) struct Studio {
     /// Folder in which packs are made; that of the last export without, or `packs`.
     #[arg(long)]
     pub(crate) out: Option<PathBuf>,
+    /// What draws captures and shadows while a tree is edited; what is exported is always the CPU's, the same bytes
+    /// on every machine.
+    #[arg(long, value_enum, default_value_t = SketchBaker::Auto)]
+    pub(crate) baker: SketchBaker,
     /// Size of the window, such as 1280x720.
     #[arg(long, default_value = "1440x900", value_parser = size)]
     pub(crate) size: [u32; 2],
+}
+
+/// What draws captures and shadows while a tree is edited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SketchBaker {
+    /// The graphics card if there is one, else the CPU.
+    Auto,
+    /// The CPU.
+    Cpu,
+    /// The window's adapter, be it a software driver.
+    Gpu,
 }
 
 /// What `pleach render` draws.

@@ -24,8 +24,8 @@ impl Sketcher {
     /// See [`GenerateError`].
     pub fn furnish(
         &mut self,
-        sketch: &TreeAsset,
-        species: &Species,
+        bakers: Bakers<'_>,
+        (sketch, species): (&TreeAsset, &Species),
         settings: &Settings,
         files: &dyn Files,
         progress: &dyn Progress,
@@ -40,7 +40,7 @@ impl Sketcher {
             let bark = (&kept.bark_mips[..], kept.coat);
             let settings = &settings.captures;
             capture::bake_with(
-                Bakers::CPU.captures,
+                bakers.captures,
                 tree,
                 &plan,
                 &artwork,
@@ -58,7 +58,7 @@ impl Sketcher {
             let alpha = (&alpha, byte_from_unit(ALPHA_CUTOFF));
             let told = Unnamed(progress);
             let shadows =
-                shadow::bake_with(Bakers::CPU.shadows, &mesh, alpha, &settings.shadows, &told)?;
+                shadow::bake_with(bakers.shadows, &mesh, alpha, &settings.shadows, &told)?;
             Ok::<_, GenerateError>(shadows)
         };
         let (baked, shadows) = rayon::join(captures, shadows);
@@ -73,6 +73,7 @@ impl Sketcher {
             mesh.foliage.sway = core::mem::take(&mut full.mesh.foliage.sway);
             full.mesh = mesh;
         }
+        asset.baker = bakers.inexact();
         asset.captures = plan.captures();
         asset.foliage = Surface::of_atlas(&atlas, &baked.rects);
         asset.rects = baked.rects;
@@ -112,7 +113,13 @@ mod tests {
         let mut sketcher = Sketcher::default();
         let sketch = sketcher.sketch_in(Haste::Some, &species, &settings, &NoFiles);
         let sketch = sketch.expect("it grows").expect("it is small").asset;
-        let made = sketcher.furnish(&sketch, &species, &settings, &NoFiles, &Quiet);
+        let made = sketcher.furnish(
+            Bakers::CPU,
+            (&sketch, &species),
+            &settings,
+            &NoFiles,
+            &Quiet,
+        );
         let made = made.expect("it is furnished");
         assert_eq!(made.shadows.maps.len(), shadow::COUNT);
         assert_eq!(made.captures, Plan::of(&sketch.tree).captures());

@@ -1,6 +1,7 @@
 //! The window's state: the document, the panes around it, and the threads that grow and write its tree.
 
 use super::asking;
+use super::baking::SketchBaker;
 use super::browser::Browser;
 use super::closeups::Closeups;
 use super::dock::{Layout, Pane};
@@ -57,6 +58,8 @@ pub struct Begin {
     pub left: Vec<Left>,
     /// Folder that packs are written into.
     pub out: PathBuf,
+    /// Who makes the captures and the shadows of sketches.
+    pub baker: SketchBaker,
     /// Settings that outlive the window.
     pub kept: Keeper,
     /// True once the program is to end.
@@ -72,6 +75,7 @@ impl Begin {
             notes: None,
             left: Vec::new(),
             out: PathBuf::from("packs"),
+            baker: SketchBaker::default(),
             kept: Keeper::default(),
             stop: || false,
         }
@@ -207,7 +211,7 @@ impl Studio {
             furnishings: 0,
             number: 0,
             sketcher: Loader::start("sketch", wake.clone())?,
-            sketches: Arc::default(),
+            sketches: Arc::new(Mutex::new(Sketches::new(begin.baker))),
             sketches_slowly: true,
             grower: Loader::start("grow", wake.clone())?,
             due: None,
@@ -269,6 +273,13 @@ impl Studio {
     pub fn is_furnished(&self) -> bool {
         let there = self.furnished.as_ref().or(self.grown.as_ref());
         there.is_some_and(|tree| tree.text == self.document.text())
+    }
+
+    /// Who made the captures and the shadows that are shown, unless it was the processor.
+    #[must_use]
+    pub fn baker(&self) -> Option<&str> {
+        let there = self.furnished.as_ref().or(self.grown.as_ref());
+        there.and_then(|tree| tree.subject.asset()?.baker.as_deref())
     }
 
     /// True if the grid of seeds has all its pictures.

@@ -5,6 +5,7 @@
 //! software driver draws, picture and trees share the processor.
 
 use super::app::Studio;
+use super::baking::{Baking, SketchBaker};
 use super::document::Outside;
 use super::questions::Question;
 use crate::asset::TreeAsset;
@@ -72,6 +73,7 @@ impl Due {
 #[derive(Debug, Default)]
 pub(super) struct Sketches {
     sketcher: Sketcher,
+    baking: Baking,
     /// The newest textures on the device, by number.
     textures: Option<(u64, Textures)>,
     /// The newest sketch at full detail on the device, and the text that it is of.
@@ -79,6 +81,13 @@ pub(super) struct Sketches {
 }
 
 impl Sketches {
+    pub(super) fn new(baker: SketchBaker) -> Self {
+        Self {
+            baking: Baking::new(baker),
+            ..Self::default()
+        }
+    }
+
     /// Puts a sketch on the device, with the textures of the one before if they are the same.
     fn put(&mut self, maker: &Maker, sketch: &Sketch, text: &str) -> Result<Model, String> {
         let number = sketch.textures;
@@ -169,6 +178,7 @@ impl Studio {
         };
         let (name, text, folder) = self.script();
         let (maker, sketches) = (self.view.maker(), Arc::clone(&self.sketches));
+        let is_software = self.view.is_software();
         self.asked_of_sketcher(true, move |progress| {
             let files = Beside(folder);
             let species = species::parse(&name, &text, &files).map_err(|f| f.render(false))?;
@@ -178,16 +188,17 @@ impl Studio {
             let (Some(asset), Some(model)) = (sketch.subject.asset(), model) else {
                 return Ok(None);
             };
-            let furnished =
-                sketches
-                    .sketcher
-                    .furnish(asset, &species, &first_pass(), &files, progress);
-            let furnished = furnished.or_else(|error| match error {
+            let Sketches {
+                sketcher, baking, ..
+            } = &mut *sketches;
+            let mut furnish = |settings: &pipeline::Settings| {
+                baking.bake(is_software, |bakers| {
+                    sketcher.furnish(bakers, (asset, &species), settings, &files, progress)
+                })
+            };
+            let furnished = furnish(&first_pass()).or_else(|error| match error {
                 GenerateError::Bake(BakeError::AtlasTooSmall { .. }) => {
-                    let settings = pipeline::Settings::default();
-                    sketches
-                        .sketcher
-                        .furnish(asset, &species, &settings, &files, progress)
+                    furnish(&pipeline::Settings::default())
                 }
                 error => Err(error),
             });
@@ -312,11 +323,10 @@ impl Studio {
         }
     }
 
-    /// True if the sketcher is at a tree that the view has not, or not at full detail.
+    /// True if the sketcher is at a tree, or at captures and shadows, that the view has not: what is shown is then not
+    /// worth a picture in full, which takes a software driver longer and would hold the sketcher up.
     pub(super) fn is_awaited(&self) -> bool {
-        let shown = self.shown.as_ref();
-        let is_rough = shown.is_some_and(|shown| shown.kind == Kind::Rough);
-        self.sketcher.stage().is_some() && (is_rough || !self.is_up_to_date())
+        self.sketcher.stage().is_some()
     }
 
     /// Makes the tree finer, and at last whole, once no hand has changed it for a while.

@@ -9,6 +9,7 @@ pub mod adding;
 mod angles;
 mod app;
 mod asking;
+mod baking;
 mod bearer;
 mod bending;
 mod bringing;
@@ -60,4 +61,5 @@ mod welcome;
 mod window;
 
 pub use app::{Begin, Studio};
+pub use baking::SketchBaker;
 pub use window::run;

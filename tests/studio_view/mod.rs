@@ -1,10 +1,11 @@
 //! The picture of the tree as a place to work in: picking, handles, the envelope and the person.
 
-use super::{Outcome, PATIENCE, Window, click, on, picture, press, text, until};
+use super::{Outcome, PATIENCE, Window, click, on, picture, press, text, until, window};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, vec2};
 use egui_kittest::kittest::Queryable as _;
-use pleach::studio::{Studio, templates};
+use pleach::studio::document::Document;
+use pleach::studio::{Begin, SketchBaker, Studio, templates};
 use std::time::{Duration, Instant};
 
 /// A window on a script whose tree is there.
@@ -336,4 +337,25 @@ pub(super) fn spline() -> Outcome {
         w.query_by_label_contains(" cm\nDrag it").is_some()
     })?;
     picture(&mut window, "spline_trunk")
+}
+
+/// Captures and shadows of sketches are the adapter's or the processor's; whole trees are always the processor's.
+pub(super) fn bakers() -> Outcome {
+    let (_, oak) = templates::ALL
+        .iter()
+        .find(|(name, _)| *name == "English oak")
+        .expect("an oak");
+    for (baker, adapters) in [(SketchBaker::Gpu, true), (SketchBaker::Cpu, false)] {
+        let mut window = window(Begin {
+            baker,
+            ..Begin::new(Document::new((*oak).to_owned()))
+        });
+        until(&mut window, "captures and shadows", Studio::is_furnished)?;
+        let studio = window.state();
+        assert!(studio.subject().is_none(), "they come before the LODs");
+        assert_eq!(studio.baker().is_some(), adapters, "{baker:?}");
+        until(&mut window, "the whole tree", |s| s.subject().is_some())?;
+        assert_eq!(window.state().baker(), None, "as in packs");
+    }
+    Ok(())
 }
