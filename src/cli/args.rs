@@ -416,7 +416,7 @@ pub(crate) enum SketchBaker {
     Auto,
     /// The CPU.
     Cpu,
-    /// The window's adapter, be it a software driver.
+    /// A graphics adapter, be it a software driver.
     Gpu,
 }
 
