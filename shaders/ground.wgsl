@@ -59,23 +59,42 @@ fn mottle(p: vec2<f32>) -> f32 {
 fn turf(p: vec2<f32>, footprint: f32) -> vec3<f32> {
     var patches = 0.0;
     var tufts = 0.0;
-    var scale = 0.06;
-    for (var i = 0; i < 8; i++) {
-        let part = saturate(1.3 - footprint * scale * 2.0);
+    var scale = 0.045;
+    for (var i = 0; i < 11; i++) {
+        let part = saturate(1.6 - footprint * scale * 1.8);
+        if part == 0.0 {
+            break;
+        }
         // Each octave is turned against the last, so that no grid shows.
         let turn = f32(i) * 0.9;
         let q = vec2<f32>(p.x * cos(turn) - p.y * sin(turn), p.x * sin(turn) + p.y * cos(turn));
         let noise = (mottle(q * scale + f32(i) * 17.3) - 0.5) * part;
-        if i < 4 {
-            patches += noise * 0.26;
+        if i < 3 {
+            patches += noise * 0.24;
+        } else if i < 6 {
+            tufts += noise * 0.16;
         } else {
-            tufts += noise * 0.52;
+            tufts += noise * 0.85;
         }
-        scale *= 2.6;
+        scale *= 2.4;
     }
-    let dried = vec3<f32>(0.19, 0.165, 0.085);
-    let dry = smoothstep(-0.1, 0.5, patches + 0.25 * tufts) * 0.5;
-    return mix(frame.ground.rgb, dried, dry) * (1.0 + 0.75 * patches) * max(1.0 + tufts, 0.25);
+    let dried = vec3<f32>(0.124, 0.112, 0.056);
+    let dry = smoothstep(-0.15, 0.5, patches + 0.2 * tufts) * 0.5;
+    return mix(frame.ground.rgb, dried, dry) * (1.0 + 0.5 * patches) * clamp(1.0 + tufts, 0.2, 1.9);
+}
+
+// Fair-weather clouds: how much of them lies in a direction, 0..1, thin toward the horizon's haze.
+fn clouds(direction: vec3<f32>) -> f32 {
+    let p = direction.xz / (direction.y + 0.12) * 0.9;
+    var sum = 0.0;
+    var part = 0.5;
+    var scale = 1.0;
+    for (var i = 0; i < 5; i++) {
+        sum += mottle(p * scale + vec2<f32>(f32(i) * 7.7, 3.1) + 40.0) * part;
+        part *= 0.5;
+        scale *= 2.17;
+    }
+    return smoothstep(0.5, 0.8, sum) * smoothstep(0.02, 0.25, direction.y);
 }
 
 @fragment
@@ -86,7 +105,8 @@ fn fs_backdrop(in: Screen) -> @location(0) vec4<f32> {
     let direction = mix(frame.forward.xyz, normalize(near - frame.eye.xyz), frame.eye.w);
     let sky = sky_colour(direction, frame);
     if direction.y >= -1e-4 {
-        return vec4<f32>(sky, 1.0) * frame.ground.w;
+        let white = frame.sky_light.rgb * 0.55 + frame.sun_light.rgb * 0.075;
+        return vec4<f32>(mix(sky, white, 0.75 * clouds(direction)), 1.0) * frame.ground.w;
     }
     let way = -start.y / direction.y;
     if way <= 0.0 {

@@ -41,14 +41,14 @@ impl Default for Setting {
             sun: Vec3::new(0.62, 0.85, 0.55),
             sun_strength: 1.0,
             sky_strength: 1.0,
-            exposure: 1.0,
+            exposure: 1.3,
             light: LightMode::Product,
             roundness: 0.45,
             translucency: 1.0,
             ground_shadows: 0.9,
             shadow_map: true,
             leaves_face_sun: false,
-            ground: Vec3::new(0.075, 0.098, 0.034),
+            ground: Vec3::new(0.06, 0.078, 0.027),
             backdrop: true,
         }
     }

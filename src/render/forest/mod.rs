@@ -125,7 +125,7 @@ impl Default for Settings {
             frame_seconds: 1.0 / 60.0,
             shade_m: 45.0,
             ground_pixels: 1.5,
-            air_m: 2_500.0,
+            air_m: 1_100.0,
             calls: Calls::Indirect,
         }
     }
