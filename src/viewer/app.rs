@@ -11,6 +11,7 @@ use super::subject::{Source, Subject};
 use super::viewport::{Viewport, write};
 use super::watch::{Watch, Watched};
 use crate::gpu::GpuError;
+use crate::render::Model;
 use crate::render::forest::ForestError;
 use eframe::egui::{self, Align2, Panel, Ui, vec2};
 use eframe::egui_wgpu::RenderState;
@@ -78,6 +79,13 @@ pub enum StartError {
     Thread(#[from] std::io::Error),
 }
 
+/// A tree, put on the device by the thread that made it: a window that does so itself stands still meanwhile.
+#[derive(Debug)]
+struct Loaded {
+    subject: Arc<Subject>,
+    model: Model,
+}
+
 /// The window's state.
 #[derive(Debug)]
 pub struct App {
@@ -87,7 +95,7 @@ pub struct App {
     pub view: Viewport,
     /// The tree that is shown.
     pub subject: Option<Arc<Subject>>,
-    loader: Loader<Subject>,
+    loader: Loader<Loaded>,
     watch: Watch,
     watched: Watched,
     source: Source,
@@ -171,8 +179,13 @@ impl App {
     /// Grows or reads the tree, in the thread for that.
     fn load(&mut self) {
         let (source, watched) = (self.source.clone(), self.watched.clone());
-        self.loader
-            .ask(Box::new(move |progress| source.load(&watched, progress)));
+        let maker = self.view.maker();
+        self.loader.ask(Box::new(move |progress| {
+            let subject = Arc::new(source.load(&watched, progress)?);
+            let model = maker.make(&subject.drawable(), None);
+            let model = model.map_err(|error| error.to_string())?;
+            Ok(Loaded { subject, model })
+        }));
     }
 
     /// Takes in what the threads have done.
@@ -181,15 +194,11 @@ impl App {
             self.load();
         }
         if self.loader.poll().good
-            && let Some(subject) = self.loader.good().cloned()
+            && let Some(loaded) = self.loader.good()
         {
-            match self.view.show(&subject) {
-                Ok(()) => {
-                    self.subject = Some(subject);
-                    self.fault = None;
-                }
-                Err(error) => self.fail(&error.into()),
-            }
+            self.view.put(loaded.model.clone(), false);
+            self.subject = Some(Arc::clone(&loaded.subject));
+            self.fault = None;
         }
     }
 

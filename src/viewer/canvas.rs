@@ -1,6 +1,5 @@
 //! A tree on the window's device, and the picture of it that the window shows.
 
-use super::subject::Subject;
 use crate::gpu::{Gpu, GpuError};
 use crate::image::Image;
 use crate::math::{Vec3, float, round_to_u32};
@@ -100,16 +99,6 @@ impl Canvas {
     #[must_use]
     pub(super) fn describe(&self) -> String {
         self.renderer.gpu().describe()
-    }
-
-    /// Shows this tree from now on. If the adapter cannot take it, the one before stays.
-    ///
-    /// # Errors
-    /// Why not.
-    pub(super) fn show(&mut self, subject: &Subject) -> Result<(), GpuError> {
-        self.renderer.replace(0, &subject.drawable())?;
-        self.forget();
-        Ok(())
     }
 
     /// What makes models for this canvas on other threads.

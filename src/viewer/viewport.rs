@@ -111,17 +111,6 @@ impl Viewport {
         self.canvas.describe()
     }
 
-    /// Shows this tree from now on. If the adapter cannot take it, the one before stays. The camera stays, but
-    /// for the first tree, which is framed.
-    ///
-    /// # Errors
-    /// Why not.
-    pub fn show(&mut self, subject: &Subject) -> Result<(), GpuError> {
-        self.canvas.show(subject)?;
-        self.pace.forget();
-        Ok(())
-    }
-
     /// What makes models for this view on other threads.
     #[must_use]
     pub fn maker(&self) -> Maker {
