@@ -42,6 +42,8 @@ struct Vertex {
     @location(10) tint: vec4<f32>,
     // The script's level that it belongs to, or `NO_LEVEL`.
     @location(11) level: u32,
+    // The length that depth offsets of its capture are parts of, metres; 0 if it is of none.
+    @location(12) relief: f32,
 }
 
 struct Instance {
@@ -76,6 +78,7 @@ struct Varyings {
     @location(9) @interpolate(flat) first_shares: vec4<f32>,
     @location(10) @interpolate(flat) second_shares: vec4<f32>,
     @location(11) @interpolate(flat) third_share: f32,
+    @location(12) relief: f32,
 }
 
 // What a pixel spans of the texture, along the picture and down it. Derivatives are taken where all pixels of a
@@ -143,6 +146,7 @@ fn tree_drawn(vertex: Vertex, instance: Instance) -> Varyings {
     out.first_shares = shares.first;
     out.second_shares = shares.second;
     out.third_share = shares.third;
+    out.relief = vertex.relief;
     return out;
 }
 
@@ -226,8 +230,8 @@ fn shadow_map_at(world: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
 
 // What the light volume holds at a point: part of the sky, part of the sun. No more than three of the nine lights
 // have a share, so that textures of others need not be read.
-fn volume_at(in: Varyings) -> vec2<f32> {
-    let at = (in.local - model.volume_origin.xyz) * model.volume_scale.xyz;
+fn volume_at(in: Varyings, surface: vec3<f32>) -> vec2<f32> {
+    let at = (surface - model.volume_origin.xyz) * model.volume_scale.xyz;
     let a = textureSampleLevel(volume_a, smooth_sampler, at, 0.0);
     var lit = dot(in.first_shares.xyz, a.yzw);
     if any(vec4<f32>(in.first_shares.w, in.second_shares.xyz) != vec4<f32>(0.0)) {
@@ -241,12 +245,20 @@ fn volume_at(in: Varyings) -> vec2<f32> {
     return vec2<f32>(a.x, lit);
 }
 
-fn lit_colour(in: Varyings, over: Footprint, albedo: vec3<f32>, mapped: vec3<f32>, foliage: f32) -> vec3<f32> {
+// Where the surface was that a quad shows, in the tree's own frame: light there is not as it is in the middle of the
+// crown, where the quad stands. The far side of a quad mirrors the near one.
+fn surface_at(in: Varyings, depth: f32, front: bool) -> vec3<f32> {
+    let toward = turned_back(normalize(in.normal), in.turn.xy) * select(-1.0, 1.0, front);
+    return in.local + toward * ((depth * 255.0 - 128.0) / 127.5 * in.relief);
+}
+
+fn lit_colour(in: Varyings, over: Footprint, albedo: vec3<f32>, mapped: vec3<f32>, front: bool, foliage: f32) -> vec3<f32> {
     let orm = textureSampleGrad(orm_map, surface_sampler, in.uv, over.x, over.y).xyz;
     let extra = textureSampleGrad(extra_map, surface_sampler, in.uv, over.x, over.y).xyz;
-    let outward = turned(normalize((in.local - model.centre.xyz) / model.extent.xyz + vec3<f32>(0.0, 1e-4, 0.0)),
+    let surface = surface_at(in, extra.y, front);
+    let outward = turned(normalize((surface - model.centre.xyz) / model.extent.xyz + vec3<f32>(0.0, 1e-4, 0.0)),
         in.turn.xy);
-    let volume = volume_at(in) * between_trees(in);
+    let volume = volume_at(in, surface) * between_trees(in);
     var shadow = vec3<f32>(1.0, 1.0, 0.0);
     if in.marks.y > 0.0 || frame.modes.x == LIGHT_FOUR_FACTORS {
         shadow = shadow_map_at(in.world, normalize(in.normal));
@@ -314,7 +326,7 @@ fn level_colour(level: u32) -> vec3<f32> {
 
 fn viewed(in: Varyings, over: Footprint, albedo: vec3<f32>, front: bool, foliage: f32) -> vec3<f32> {
     let mapped = mapped_normal(in, over, front);
-    let lit = lit_colour(in, over, albedo, mapped, foliage);
+    let lit = lit_colour(in, over, albedo, mapped, front, foliage);
     switch frame.modes.y {
         case VIEW_LOD: {
             let grey = dot(lit, vec3<f32>(0.2126, 0.7152, 0.0722));

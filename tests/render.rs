@@ -5,22 +5,19 @@ mod cli_common;
 mod common;
 
 use common::adapter::{self, Outcome, Test};
-use common::gpu::{covered, mean_flip, palm, root};
+use common::gpu::{SIZE, computed, covered, mean_flip, palm, renderer, root, scene};
 use libtest_mimic::Failed;
-use pleach::asset::TreeAsset;
+use pleach::capture;
 use pleach::gpu::{Gpu, GpuError};
 use pleach::image::{Image, png};
 use pleach::math::{Vec3, round_to_u32};
-use pleach::render::{
-    Filter, Instance, LightMode, Orbit, PORTRAIT, Renderer, Scene, ViewMode, level_colour,
-};
+use pleach::render::{Filter, Instance, LightMode, Renderer, Scene, ViewMode, level_colour};
 use pleach::wind::{self, Rig, Wind};
-use pleach::{capture, shadow};
 use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let tests: [Test; 20] = [
+    let tests: [Test; 16] = [
         ("a_scene_gives_the_same_picture_twice", same_picture_twice),
         (
             "a_scene_after_others_is_drawn_as_if_it_came_first",
@@ -32,20 +29,8 @@ fn main() -> ExitCode {
             "far_lods_look_like_full_detail_where_they_are_shown",
             lods_look_alike,
         ),
-        (
-            "shares_of_the_nine_shadows_agree_with_the_library",
-            shares_agree,
-        ),
-        (
-            "the_ground_is_dark_where_the_baked_shadow_lies",
-            ground_shadow,
-        ),
         ("trees_alone_stand_on_nothing", transparent),
         ("filters_soften_edges_and_keep_the_covered_area", filters),
-        (
-            "the_sum_of_four_factors_lights_the_side_of_the_sun",
-            four_factors,
-        ),
         ("every_view_shows_the_tree", views),
         ("every_level_has_its_colour_in_every_lod", levels),
         ("a_window_without_height_draws_nothing", no_height),
@@ -56,10 +41,6 @@ fn main() -> ExitCode {
         ("a_lost_device_is_told_and_not_a_panic", lost),
         ("the_shader_sways_vertices_as_the_library_does", sways_agree),
         ("lods_lean_downwind_together", lods_lean_together),
-        (
-            "leaves_that_face_the_sun_cast_more_shadow",
-            leaves_face_the_sun,
-        ),
         ("the_program_draws_a_wood_of_scripts", wood_by_the_program),
         (
             "an_adapter_without_optional_features_draws_the_same",
@@ -68,8 +49,6 @@ fn main() -> ExitCode {
     ];
     adapter::run(&tests)
 }
-
-const SIZE: [u32; 2] = [160, 200];
 
 fn wood_by_the_program() -> Outcome {
     use cli_common::{nursery, pleach, utf8};
@@ -102,17 +81,6 @@ fn wood_by_the_program() -> Outcome {
     }
     pleach(&["render", utf8(&script), "--out", "none/wood.png"]).ends(2, &["--out", "none"]);
     Ok(())
-}
-
-fn renderer(asset: &TreeAsset) -> Result<Renderer, GpuError> {
-    let mut renderer = Renderer::new(&Gpu::headless()?, wgpu::TextureFormat::Rgba8UnormSrgb)?;
-    renderer.add(&asset.drawable())?;
-    Ok(renderer)
-}
-
-fn scene(renderer: &Renderer, lod: usize) -> Scene {
-    let orbit = Orbit::around(&renderer.models()[0].hull, 0.6, 0.1, PORTRAIT, 0.8);
-    Scene::of_one(orbit.camera(), 0, lod)
 }
 
 fn same_picture_twice() -> Outcome {
@@ -282,116 +250,6 @@ fn lods_look_alike() -> Outcome {
     Ok(())
 }
 
-fn shares_agree() -> Outcome {
-    let suns: Vec<Vec3> = (0..400)
-        .map(|i| {
-            let turn = i as f32 * 2.399_963;
-            let up = (i as f32 + 0.5) / 400.0;
-            let level = (1.0 - up * up).sqrt();
-            Vec3::new(libm::cosf(turn) * level, up, libm::sinf(turn) * level)
-        })
-        .chain((0..9).map(shadow::direction))
-        .collect();
-    let shares = shares_in_shader(&Gpu::headless()?, &suns)?;
-    for (sun, shares) in suns.iter().zip(&shares) {
-        let mut expected = [0.0; 9];
-        for (light, share) in shadow::weights(*sun) {
-            expected[light] += share;
-        }
-        for light in 0..9 {
-            if (expected[light] - shares[light]).abs() > 2e-4 {
-                return Err(format!("sun {sun}: {shares:?} in the shader, {expected:?}").into());
-            }
-        }
-    }
-    Ok(())
-}
-
-/// What `nine_shares` of `light.wgsl` gives.
-fn shares_in_shader(gpu: &Gpu, suns: &[Vec3]) -> Result<Vec<[f32; 9]>, Failed> {
-    const MAIN: &str = "
-        @group(0) @binding(0) var<storage, read> suns: array<vec4<f32>>;
-        @group(0) @binding(1) var<storage, read_write> shares: array<f32>;
-        @compute @workgroup_size(64)
-        fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-            if id.x < arrayLength(&suns) {
-                let found = nine_shares(suns[id.x].xyz);
-                for (var i = 0; i < 9; i++) {
-                    shares[id.x * 9u + u32(i)] = share_of(found, i);
-                }
-            }
-        }";
-    let files = pleach::gpu::shader::TREES.files;
-    let wide: Vec<[f32; 4]> = suns.iter().map(|s| s.extend(0.0).to_array()).collect();
-    let numbers = computed(gpu, &[files[0], files[1], MAIN], &wide, 9)?;
-    Ok(numbers.as_chunks::<9>().0.to_vec())
-}
-
-/// Runs a compute shader over inputs, `count` numbers out for each.
-fn computed<T: bytemuck::Pod>(
-    gpu: &Gpu,
-    files: &[&str],
-    inputs: &[T],
-    count: usize,
-) -> Result<Vec<f32>, Failed> {
-    use wgpu::util::DeviceExt as _;
-    let device = &gpu.device;
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("test"),
-        source: wgpu::ShaderSource::Wgsl(files.join("\n").into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("test"),
-        layout: None,
-        module: &module,
-        entry_point: Some("main"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
-    let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: None,
-        contents: bytemuck::cast_slice(inputs),
-        usage: wgpu::BufferUsages::STORAGE,
-    });
-    let size = (inputs.len() * count * 4) as u64;
-    let buffer = |usage| {
-        device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage,
-            mapped_at_creation: false,
-        })
-    };
-    let output = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-    let read = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: input.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: output.as_entire_binding(),
-            },
-        ],
-    });
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.dispatch_workgroups(u32::try_from(inputs.len().div_ceil(64))?, 1, 1);
-    drop(pass);
-    encoder.copy_buffer_to_buffer(&output, 0, &read, 0, size);
-    gpu.queue.submit([encoder.finish()]);
-    read.map_async(wgpu::MapMode::Read, .., |_| ());
-    gpu.finish()?;
-    let bytes = read.get_mapped_range(..).map_err(|e| e.to_string())?;
-    Ok(bytemuck::cast_slice(&bytes).to_vec())
-}
-
 /// A vertex in a wind: what `wind_offset` of `wind.wgsl` takes.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -517,54 +375,6 @@ fn lods_lean_together() -> Outcome {
     Err(format!("LODs do not lean together: {shifts:?} pixels").into())
 }
 
-fn leaves_face_the_sun() -> Outcome {
-    let mut renderer = renderer(palm())?;
-    let mut scene = scene(&renderer, 0);
-    scene.setting.ground_shadows = 0.0;
-    scene.setting.backdrop = false;
-    let mut brightness = |leaves_face_sun: bool| -> Result<u64, GpuError> {
-        scene.setting.leaves_face_sun = leaves_face_sun;
-        let picture = renderer.picture(&scene, SIZE)?;
-        let of = |p: &[u8; 4]| u64::from(p[1]) * u64::from(p[3]);
-        Ok(picture.texels().iter().map(of).sum())
-    };
-    let (facing, hanging) = (brightness(true)?, brightness(false)?);
-    let part = facing as f32 / hanging as f32;
-    println!("{part:.3} of the light with leaves that face the sun in the shadow map");
-    if (0.5..0.985).contains(&part) {
-        return Ok(());
-    }
-    Err(format!("leaves that face the sun leave {part} of the light").into())
-}
-
-fn ground_shadow() -> Outcome {
-    let mut renderer = renderer(palm())?;
-    let mut scene = scene(&renderer, 0);
-    // From above, with the tree itself left out: what is dark is shadow.
-    scene.camera.eye = Vec3::new(0.0, 60.0, 0.1);
-    scene.camera.target = Vec3::ZERO;
-    scene.setting.sun = shadow::direction(1);
-    let mut alone = scene.clone();
-    alone.setting.ground_shadows = 0.0;
-    let dark = renderer.picture(&scene, SIZE)?;
-    let bright = renderer.picture(&alone, SIZE)?;
-    let brightness = |p: &[u8; 4]| p[..3].iter().map(|&c| f32::from(c)).sum::<f32>();
-    let mut sums = [0.0_f32; 2];
-    for y in 0..SIZE[1] {
-        for x in 0..SIZE[0] {
-            let lost = brightness(bright.at(x, y)) - brightness(dark.at(x, y));
-            sums[usize::from(x < SIZE[0] / 2)] += lost;
-        }
-    }
-    // The sun stands at +X, to the right, so the shadow falls to the left.
-    let [right, left] = sums;
-    println!("darkened: {left:.0} to the left, {right:.0} to the right");
-    if left > 500.0 && left > 4.0 * right {
-        return Ok(());
-    }
-    Err(format!("the shadow is not to the left: {left} there, {right} to the right").into())
-}
-
 fn transparent() -> Outcome {
     let mut renderer = renderer(palm())?;
     let mut scene = scene(&renderer, 0);
@@ -618,38 +428,6 @@ fn filters() -> Outcome {
         return Err("both filters are not softer than either".into());
     }
     Ok(())
-}
-
-fn four_factors() -> Outcome {
-    let mut renderer = renderer(palm())?;
-    let mut scene = scene(&renderer, 0);
-    scene.setting.backdrop = false;
-    scene.setting.light = LightMode::FourFactors;
-    let [right, _] = scene.camera.sides();
-    let mut sides = |sun: Vec3| -> Result<f32, GpuError> {
-        scene.setting.sun = sun;
-        let picture = renderer.picture(&scene, SIZE)?;
-        let mut sums = [(0.0, 0.0); 2];
-        for y in 0..SIZE[1] {
-            for x in 0..SIZE[0] {
-                let [_, g, _, a] = *picture.at(x, y);
-                let side = &mut sums[usize::from(x < SIZE[0] / 2)];
-                side.0 += f32::from(g) * f32::from(a);
-                side.1 += f32::from(a);
-            }
-        }
-        let [r, l] = sums.map(|(light, weight)| light / weight);
-        Ok(r / l)
-    };
-    let (from_right, from_left) = (
-        sides(right + Vec3::Y * 0.7)?,
-        sides(-right + Vec3::Y * 0.7)?,
-    );
-    println!("right over left: {from_right:.3} with the sun there, {from_left:.3} without");
-    if from_right > 1.05 * from_left {
-        return Ok(());
-    }
-    Err(format!("the sunny side is not the brighter one: {from_right} {from_left}").into())
 }
 
 fn views() -> Outcome {

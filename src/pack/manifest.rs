@@ -2,6 +2,7 @@
 
 use super::{BuildError, Options, PackFile};
 use crate::asset::{Asked, AssetLod, LevelSummary, TreeAsset, level_summaries};
+use crate::mesh::card::{Relief, UvRect};
 use crate::species::schema::LodSelector;
 use crate::tree::Tree;
 use crate::wind::{REFERENCE_SPEED_M_S, Rig};
@@ -224,7 +225,7 @@ pub struct SurfaceEntry {
     pub normal: String,
     /// Occlusion, roughness, metalness.
     pub orm: String,
-    /// Translucency, depth, coverage; foliage only.
+    /// Translucency, depth offset (see [`CaptureEntry`]), coverage; foliage only.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub extra: Option<String>,
     /// Edge lengths, texels.
@@ -232,6 +233,39 @@ pub struct SurfaceEntry {
     /// Coverage-preserving mips of the albedo, from half size downward.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub mips: Vec<String>,
+    /// What the depth offsets of [`extra`](Self::extra) are parts of; none in packs that do not tell.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub captures: Vec<CaptureEntry>,
+}
+
+/// One picture of a capture in the foliage atlas. Where a quad shows it, the surface that was captured lies
+/// `(depth - 128) / 127.5 * longer_m` before the quad on the side that is seen, `depth` being the green byte of
+/// `extra`; in proportion more or less where the quad is larger or smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaptureEntry {
+    /// Left, top, right and bottom edge, 0..=1 of the atlas.
+    pub uv: [f32; 4],
+    /// Longer side of the whole picture where a node has the size 1, metres.
+    pub longer_m: f32,
+}
+
+impl From<&Relief> for CaptureEntry {
+    fn from(&Relief { uv, longer }: &Relief) -> Self {
+        Self {
+            uv: [uv.u0, uv.v0, uv.u1, uv.v1],
+            longer_m: longer,
+        }
+    }
+}
+
+impl From<&CaptureEntry> for Relief {
+    fn from(&CaptureEntry { uv, longer_m }: &CaptureEntry) -> Self {
+        let [u0, v0, u1, v1] = uv;
+        Self {
+            uv: UvRect { u0, v0, u1, v1 },
+            longer: longer_m,
+        }
+    }
 }
 
 /// The shadow atlas.
@@ -370,6 +404,7 @@ fn textures(asset: &TreeAsset, files: &[PackFile]) -> TexturesEntry {
             extra: None,
             size: size(&asset.bark.albedo),
             mips: Vec::new(),
+            captures: Vec::new(),
         },
         foliage: SurfaceEntry {
             albedo: path("foliage_albedo"),
@@ -378,6 +413,7 @@ fn textures(asset: &TreeAsset, files: &[PackFile]) -> TexturesEntry {
             extra: Some(path("foliage_extra")),
             size: size(&asset.foliage.albedo),
             mips: mips.cloned().collect(),
+            captures: asset.reliefs.iter().map(CaptureEntry::from).collect(),
         },
     }
 }

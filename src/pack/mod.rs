@@ -7,7 +7,7 @@ mod read;
 mod write;
 
 pub use manifest::{
-    AskedEntry, FORMAT, FileEntry, LevelEntry, LodEntry, Manifest, VERSION, WindEntry,
+    AskedEntry, CaptureEntry, FORMAT, FileEntry, LevelEntry, LodEntry, Manifest, VERSION, WindEntry,
 };
 pub use read::{PackContents, ReadError, read};
 pub use write::{Replace, WriteError, check_place, read_manifest, sweep, verify, write};

@@ -1,7 +1,7 @@
 //! Packs back from their files: the meshes and textures that other programs get, to be judged or drawn.
 //!
-//! What a pack does not hold cannot be read: the real sizes of the captures in the atlas, the relief of the
-//! bark, and the tree itself. The tree grows again from the script and the seed.
+//! What a pack does not hold cannot be read: the relief of the bark, and the tree itself. The tree grows again from the
+//! script and the seed.
 
 use super::manifest::{ShadowMapEntry, ShadowsEntry, SurfaceEntry};
 use super::{LodEntry, Manifest, gltf_read, read_manifest, verify};
@@ -9,6 +9,7 @@ use crate::asset::{Drawable, Surface};
 use crate::image::Image;
 use crate::image::png::PngTexel;
 use crate::mesh::Mesh;
+use crate::mesh::card::Relief;
 use crate::shadow::{self, ShadowMap, Shadows};
 use crate::wind::Rig;
 use image::ImageDecoder as _;
@@ -34,6 +35,8 @@ pub struct PackContents {
     /// The foliage atlas, exactly as it was before it was written. Read from the texture files, also where
     /// the GLBs hold copies of them.
     pub foliage: Surface,
+    /// Captures in the atlas with their real sizes; none in packs that do not tell.
+    pub reliefs: Vec<Relief>,
     /// The bark. Its files hold neither alpha nor extra channels, so alpha and coverage are 255,
     /// translucency is 0 and the depth offset is 128, none.
     pub bark: Surface,
@@ -50,7 +53,7 @@ impl PackContents {
             lods: self.lods.iter().zip(sizes).collect(),
             foliage: &self.foliage,
             bark: &self.bark,
-            reliefs: &[],
+            reliefs: &self.reliefs,
             shadows: &self.shadows,
             wind: self
                 .manifest
@@ -119,6 +122,7 @@ pub fn read(folder: &Path) -> Result<PackContents, ReadError> {
         script,
         lods,
         foliage: pack.foliage(&manifest.textures.foliage)?,
+        reliefs: pack.reliefs(&manifest.textures.foliage)?,
         bark: pack.bark(&manifest.textures.bark)?,
         shadows: pack.shadows(&manifest.shadows)?,
         manifest,
@@ -197,6 +201,24 @@ impl Pack<'_> {
             orm: self.image(&entry.orm, entry.size)?,
             extra: self.image(extra, entry.size)?,
         })
+    }
+
+    fn reliefs(&self, entry: &SurfaceEntry) -> Result<Vec<Relief>, ReadError> {
+        let captures = entry.captures.iter();
+        captures
+            .map(|capture| {
+                let [u0, v0, u1, v1] = capture.uv;
+                let lies_inside =
+                    0.0 <= u0 && u0 < u1 && u1 <= 1.0 && 0.0 <= v0 && v0 < v1 && v1 <= 1.0;
+                if lies_inside && capture.longer_m > 0.0 && capture.longer_m.is_finite() {
+                    return Ok(Relief::from(capture));
+                }
+                let reason = format!(
+                    "expected captures inside the atlas and of some size, found {capture:?}"
+                );
+                Err(self.fault("pack.json", reason))
+            })
+            .collect()
     }
 
     fn bark(&self, entry: &SurfaceEntry) -> Result<Surface, ReadError> {

@@ -1,6 +1,7 @@
 //! The parts of a frame: what is drawn, onto what, and how settings are told to shaders.
 
-use super::model::{Lod, Model, Part};
+use super::model::{Lod, Model};
+use super::part::Part;
 use super::scene::{Filter, Group, LightMode, Scene, Setting, ViewMode};
 use super::uniforms::Frame;
 use crate::math::{Bounds, Vec3, float};
@@ -50,7 +51,7 @@ impl Drawn<'_> {
         pass.set_bind_group(2, material, &[]);
         pass.set_vertex_buffer(0, part.vertices.slice(..));
         pass.set_vertex_buffer(1, part.sway.slice(..));
-        pass.set_vertex_buffer(2, part.levels.slice(..));
+        pass.set_vertex_buffer(2, part.origins.slice(..));
         pass.set_vertex_buffer(3, self.instances.slice(..));
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..count, 0, 0..self.count);

@@ -50,7 +50,9 @@ impl Maker {
             model.stand_ins.extend(model.lods.first().cloned());
         }
         for mesh in stand_ins {
-            model.stand_ins.push(Lod::new(&self.gpu, mesh, 0.0)?);
+            model
+                .stand_ins
+                .push(Lod::new(&self.gpu, (mesh, source.reliefs), 0.0)?);
         }
         self.gpu.check()?;
         Ok(model)

@@ -19,6 +19,7 @@ pub mod forest;
 mod hull;
 mod maker;
 mod model;
+mod part;
 mod pipelines;
 mod renderer;
 mod scene;

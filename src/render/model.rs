@@ -1,20 +1,18 @@
 //! Trees on the device: meshes, textures, baked shadows, and the volume that holds their light.
 
 use super::hull::hull;
+use super::part::Part;
 use super::uniforms;
 use crate::asset::{Drawable, Surface};
 use crate::capture::Occlusion;
 use crate::gpu::{Gpu, GpuError, upload};
 use crate::image::Image;
 use crate::math::{Bounds, Vec3, byte_from_unit, float, floor_to_u32, smoothstep};
-use crate::mesh::{Mesh, Primitive};
+use crate::mesh::Mesh;
+use crate::mesh::card::Relief;
 use crate::shadow::{self, ShadowMap};
-use crate::wind::Sway;
 use rayon::prelude::*;
 use wgpu::util::DeviceExt as _;
-
-/// The level of vertices that are of none, or of one that is not known: `NO_LEVEL` of `tree.wgsl`.
-const NO_LEVEL: u32 = 255;
 
 /// A tree on the device.
 #[derive(Clone, Debug)]
@@ -51,20 +49,6 @@ pub struct Lod {
     pub crisp: f32,
     pub(super) bark: Option<Part>,
     pub(super) foliage: Option<Part>,
-}
-
-/// Triangles of one material.
-#[derive(Clone, Debug)]
-pub(super) struct Part {
-    pub(super) vertices: wgpu::Buffer,
-    /// How the vertices sway.
-    pub(super) sway: wgpu::Buffer,
-    /// The levels that the vertices belong to, a word each.
-    pub(super) levels: wgpu::Buffer,
-    pub(super) indices: wgpu::Buffer,
-    /// Pairs of indices, for the view of edges.
-    pub(super) edges: wgpu::Buffer,
-    pub(super) count: u32,
 }
 
 /// The textures of a model on the device.
@@ -134,7 +118,7 @@ impl Model {
         let lods: Result<Vec<Lod>, GpuError> = source
             .lods
             .iter()
-            .map(|&(mesh, screen_size)| Lod::new(gpu, mesh, screen_size))
+            .map(|&(mesh, screen_size)| Lod::new(gpu, (mesh, source.reliefs), screen_size))
             .collect();
         let bounds = source
             .lods
@@ -206,13 +190,18 @@ impl Model {
 }
 
 impl Lod {
-    pub(super) fn new(gpu: &Gpu, mesh: &Mesh, screen_size: f32) -> Result<Self, GpuError> {
+    /// A mesh, and the captures that its quads show.
+    pub(super) fn new(
+        gpu: &Gpu,
+        (mesh, reliefs): (&Mesh, &[Relief]),
+        screen_size: f32,
+    ) -> Result<Self, GpuError> {
         Ok(Self {
             screen_size,
             triangles: mesh.triangles(),
             crisp: crisp(mesh),
-            bark: Part::new(gpu, &mesh.bark)?,
-            foliage: Part::new(gpu, &mesh.foliage)?,
+            bark: Part::new(gpu, &mesh.bark, &[])?,
+            foliage: Part::new(gpu, &mesh.foliage, reliefs)?,
         })
     }
 }
@@ -260,59 +249,6 @@ fn crisp(mesh: &Mesh) -> f32 {
     }
     let size = mesh.bounds().size().max_element();
     1.0 - smoothstep(0.12, 0.4, edges / area / size)
-}
-
-impl Part {
-    fn new(gpu: &Gpu, primitive: &Primitive) -> Result<Option<Self>, GpuError> {
-        if primitive.indices.is_empty() {
-            return Ok(None);
-        }
-        let edges: Vec<[u32; 2]> = primitive
-            .indices
-            .as_chunks::<3>()
-            .0
-            .iter()
-            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-            .collect();
-        let limit = gpu.device.limits().max_buffer_size;
-        let buffer = |what: &'static str, contents: &[u8], usage| {
-            let size = contents.len() as u64;
-            if size > limit {
-                return Err(GpuError::TooLarge { what, size, limit });
-            }
-            Ok(upload(gpu, what, contents, usage))
-        };
-        let vertices = bytemuck::cast_slice(&primitive.vertices);
-        let still = vec![Sway::default(); primitive.vertices.len()];
-        let sway = if primitive.sway.len() == primitive.vertices.len() {
-            &primitive.sway
-        } else {
-            &still
-        };
-        let mut levels: Vec<u32> = primitive.levels.iter().map(|&l| l.into()).collect();
-        levels.resize(primitive.vertices.len(), NO_LEVEL);
-        let indices = bytemuck::cast_slice(&primitive.indices);
-        Ok(Some(Self {
-            vertices: buffer("a vertex buffer", vertices, wgpu::BufferUsages::VERTEX)?,
-            sway: buffer(
-                "a vertex buffer",
-                bytemuck::cast_slice(sway),
-                wgpu::BufferUsages::VERTEX,
-            )?,
-            levels: buffer(
-                "a vertex buffer",
-                bytemuck::cast_slice(&levels),
-                wgpu::BufferUsages::VERTEX,
-            )?,
-            indices: buffer("an index buffer", indices, wgpu::BufferUsages::INDEX)?,
-            edges: buffer(
-                "an index buffer",
-                bytemuck::cast_slice(&edges),
-                wgpu::BufferUsages::INDEX,
-            )?,
-            count: u32::try_from(primitive.indices.len()).unwrap_or(u32::MAX),
-        }))
-    }
 }
 
 /// The mesh whose leaves shade one another: the finest.

@@ -2,6 +2,7 @@
 
 use super::binding::{self, depth_texture, layout, texture, uniform};
 use super::model::Layouts;
+use super::part::Origin;
 use super::renderer::SAMPLES;
 use super::targets::{DEPTH, GROUND, LIGHT};
 use super::uniforms::Instance;
@@ -55,7 +56,10 @@ const SWAY: [VertexAttribute; 2] = [
     attribute(5, offset_of!(Sway, leaf), VertexFormat::Snorm8x4),
 ];
 
-const LEVELS: [VertexAttribute; 1] = [attribute(11, 0, VertexFormat::Uint32)];
+const ORIGIN: [VertexAttribute; 2] = [
+    attribute(11, offset_of!(Origin, level), VertexFormat::Uint32),
+    attribute(12, offset_of!(Origin, relief_m), VertexFormat::Float32),
+];
 
 const INSTANCE: [VertexAttribute; 4] = [
     attribute(6, offset_of!(Instance, place), VertexFormat::Float32x4),
@@ -88,11 +92,11 @@ fn sways() -> wgpu::VertexBufferLayout<'static> {
     }
 }
 
-fn levels() -> wgpu::VertexBufferLayout<'static> {
+fn origins() -> wgpu::VertexBufferLayout<'static> {
     wgpu::VertexBufferLayout {
-        array_stride: size_of::<u32>() as u64,
+        array_stride: size_of::<Origin>() as u64,
         step_mode: VertexStepMode::Vertex,
-        attributes: &LEVELS,
+        attributes: &ORIGIN,
     }
 }
 
@@ -243,7 +247,7 @@ impl Pipelines {
         let trees = shader::TREES.module(device);
         let ground = shader::GROUNDS.module(device);
         let present = shader::PRESENTS.module(device);
-        let tree_buffers = [vertices(), sways(), levels(), instances()].map(Some);
+        let tree_buffers = [vertices(), sways(), origins(), instances()].map(Some);
         let lit = [&frame, &layouts.model, &layouts.material];
         let tree = |label, fragment| Recipe {
             buffers: &tree_buffers,
@@ -326,7 +330,7 @@ impl Pipelines {
         let Layouts {
             model, material, ..
         } = &self.layouts;
-        let buffers = [vertices(), sways(), levels()].map(Some);
+        let buffers = [vertices(), sways(), origins()].map(Some);
         let lit = [&self.frame, model, material, forest];
         let tree = |label, fragment| Recipe {
             buffers: &buffers,

@@ -285,7 +285,7 @@ impl Renderer {
         forest.device.bind(pass, index);
         pass.set_vertex_buffer(0, part.vertices.slice(..));
         pass.set_vertex_buffer(1, part.sway.slice(..));
-        pass.set_vertex_buffer(2, part.levels.slice(..));
+        pass.set_vertex_buffer(2, part.origins.slice(..));
         let (indices, count) = if edges {
             (&part.edges, part.count * 2)
         } else {
