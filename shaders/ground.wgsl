@@ -61,7 +61,7 @@ fn turf(p: vec2<f32>, footprint: f32) -> vec3<f32> {
     var tufts = 0.0;
     var scale = 0.045;
     for (var i = 0; i < 11; i++) {
-        let part = saturate(1.6 - footprint * scale * 1.8);
+        let part = saturate(1.7 - footprint * scale * 3.0);
         if part == 0.0 {
             break;
         }

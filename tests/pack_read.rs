@@ -95,6 +95,8 @@ fn a_pack_is_read_back_exactly_as_it_was_made() {
         assert!(pack.foliage.normal == asset.foliage.normal);
         assert!(pack.foliage.orm == asset.foliage.orm);
         assert!(pack.foliage.extra == asset.foliage.extra);
+        assert!(!asset.reliefs.is_empty());
+        assert_eq!(pack.reliefs, asset.reliefs);
         assert!(
             pack.bark.albedo == asset.bark.albedo,
             "drawn bark is opaque"
@@ -125,6 +127,17 @@ fn a_pack_tells_how_to_read_its_wind_data_or_has_none() {
             assert_eq!(lod.foliage.sway.is_empty(), no_wind);
         }
     }
+}
+
+#[test]
+fn a_pack_of_days_before_it_told_of_captures_is_read() {
+    let dir = tempfile::tempdir().expect("a folder");
+    made(dir.path(), Options::default());
+    let folder = dir.path().join(NAME);
+    with_manifest(&folder, |m| m.textures.foliage.captures.clear());
+    let text = fs::read_to_string(folder.join("pack.json")).expect("read");
+    assert!(!text.contains("longer_m"));
+    assert!(pack::read(&folder).expect("sound").reliefs.is_empty());
 }
 
 #[test]
@@ -269,6 +282,12 @@ fn a_pack_that_is_not_as_it_was_made_is_refused_with_its_reason() {
         }),
         (&["pack.json", "`extra`"], |pack| {
             with_manifest(pack, |m| m.textures.foliage.extra = None);
+        }),
+        (&["pack.json", "captures inside the atlas", "1.5"], |pack| {
+            with_manifest(pack, |m| m.textures.foliage.captures[0].uv[2] = 1.5);
+        }),
+        (&["pack.json", "of some size", "longer_m: 0.0"], |pack| {
+            with_manifest(pack, |m| m.textures.foliage.captures[0].longer_m = 0.0);
         }),
     ];
     let dir = tempfile::tempdir().expect("a folder");

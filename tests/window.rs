@@ -47,6 +47,10 @@ fn main() -> ExitCode {
         ("at_rest_nothing_is_drawn", rest),
         ("a_window_without_room_for_the_view_goes_on", no_room),
         ("a_lost_device_closes_the_window_and_leaves_its_state", lost),
+        (
+            "a_device_lost_while_a_tree_loads_closes_the_window_too",
+            lost_while_loading,
+        ),
         ("the_window_looks_as_it_did", looks),
     ])
 }
@@ -611,6 +615,20 @@ fn no_room() -> Outcome {
     }
     seen(&mut window)?;
     Ok(())
+}
+
+fn lost_while_loading() -> Outcome {
+    let legacy = Legacy::default();
+    let start = Start {
+        legacy: legacy.clone(),
+        ..Start::new(Source::Pack(palm().to_owned()), PathBuf::from("."))
+    };
+    let mut window = window_with(start, SIZE);
+    // Before the thread that reads the pack puts it on the device: it is the first to be told.
+    window.state().view.destroy_device();
+    until(&mut window, "the end", App::is_lost)?;
+    let left = legacy.lock().map_err(|e| e.to_string())?.is_some();
+    ensure(left, "nothing is left for the next window")
 }
 
 fn lost() -> Outcome {

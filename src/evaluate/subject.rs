@@ -179,15 +179,17 @@ impl<'a> Subject<'a> {
     }
 
     /// The LODs of a pack as their files have them, against the full tree of `grown`, made by
-    /// [`with_reference`] of the pack's [`settings_of`]. What a pack does not hold, the sizes of its captures, is
-    /// taken from `grown` if the atlases are the same ([`same_atlas`]), and else left out.
+    /// [`with_reference`] of the pack's [`settings_of`]. What a pack of earlier days does not hold, the sizes of its
+    /// captures, is taken from `grown` if the atlases are the same ([`same_atlas`]), and else left out.
     ///
     /// # Panics
     /// As [`Subject::of_asset`].
     #[must_use]
     pub fn of_pack(pack: &'a PackContents, grown: &'a TreeAsset) -> Self {
         let manifest = &pack.manifest;
-        let reliefs: &[Relief] = if same_atlas(pack, grown) {
+        let reliefs: &[Relief] = if !pack.reliefs.is_empty() {
+            &pack.reliefs
+        } else if same_atlas(pack, grown) {
             &grown.reliefs
         } else {
             &[]

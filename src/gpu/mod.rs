@@ -147,12 +147,45 @@ impl Gpu {
         }
     }
 
-    /// The first error since the last call, if any.
+    /// The first error since the last call, if any. That the device is lost is told at every call: whoever asks first must
+    /// not be the only one to know.
     ///
     /// # Errors
     /// What the driver told of anything done with this device.
     pub fn check(&self) -> Result<(), GpuError> {
-        lock(&self.fault).take().map_or(Ok(()), Err)
+        let mut fault = lock(&self.fault);
+        match &*fault {
+            Some(lost @ GpuError::Lost(_)) => Err(lost.clone()),
+            _ => fault.take().map_or(Ok(()), Err),
+        }
+    }
+
+    /// Does something with the device, and tells what the driver says of that alone, whatever other threads do
+    /// meanwhile.
+    ///
+    /// # Errors
+    /// That, or that the device is lost.
+    pub fn apart<T>(&self, work: impl FnOnce() -> Result<T, GpuError>) -> Result<T, GpuError> {
+        let filters = [
+            wgpu::ErrorFilter::OutOfMemory,
+            wgpu::ErrorFilter::Validation,
+        ];
+        let scopes = filters.map(|filter| self.device.push_error_scope(filter));
+        let mut result = work();
+        // The last one that was opened is closed first.
+        for scope in scopes.into_iter().rev() {
+            if let Some(error) = pollster::block_on(scope.pop()) {
+                result = Err(of(&error));
+            }
+        }
+        if result.is_err() {
+            // What a lost device says first is that it does not know its own buffers.
+            let _ = self.device.poll(wgpu::PollType::Poll);
+        }
+        match &*lock(&self.fault) {
+            Some(lost @ GpuError::Lost(_)) => Err(lost.clone()),
+            _ => result,
+        }
     }
 
     /// Waits for all that was submitted.

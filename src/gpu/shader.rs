@@ -21,6 +21,7 @@ const FOREST_TREES: &str = include_str!("../../shaders/forest_trees.wgsl");
 const FOREST_GROUND: &str = include_str!("../../shaders/forest_ground.wgsl");
 const CULL: &str = include_str!("../../shaders/cull.wgsl");
 const PRESENT: &str = include_str!("../../shaders/present.wgsl");
+const SHOW: &str = include_str!("../../shaders/show.wgsl");
 const CAPTURE: &str = include_str!("../../shaders/capture.wgsl");
 const CAPTURE_SEEN: &str = include_str!("../../shaders/capture_seen.wgsl");
 const CAPTURE_TEXELS: &str = include_str!("../../shaders/capture_texels.wgsl");
@@ -43,6 +44,12 @@ pub const GROUNDS: Source = Source {
 pub const PRESENTS: Source = Source {
     name: "present",
     files: &[FRAME, PRESENT],
+};
+
+/// A finished picture in a window.
+pub const SHOWS: Source = Source {
+    name: "show",
+    files: &[SHOW],
 };
 
 /// Trees of a forest.
@@ -88,10 +95,11 @@ pub const SHADOWS: Source = Source {
 };
 
 /// All modules.
-pub const ALL: [Source; 10] = [
+pub const ALL: [Source; 11] = [
     TREES,
     GROUNDS,
     PRESENTS,
+    SHOWS,
     FORESTS,
     FOREST_GROUNDS,
     CULLS,

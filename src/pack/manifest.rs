@@ -239,13 +239,14 @@ pub struct SurfaceEntry {
 }
 
 /// One picture of a capture in the foliage atlas. Where a quad shows it, the surface that was captured lies
-/// `(depth - 128) / 127.5 * longer_m` before the quad on the side that is seen, `depth` being the green byte of
-/// `extra`; in proportion more or less where the quad is larger or smaller.
+/// `(depth - 128) / 127.5` times a length before the quad on the side that is seen, `depth` being the green byte of
+/// `extra`. The length is the longer side that the whole picture would have on that quad: the quad's metres for a step
+/// of u or v, times the picture's edge in u or v. It is right to a 255th of that.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaptureEntry {
     /// Left, top, right and bottom edge, 0..=1 of the atlas.
     pub uv: [f32; 4],
-    /// Longer side of the whole picture where a node has the size 1, metres.
+    /// That length on a quad as it was captured, metres; quads of larger or smaller nodes have more or less.
     pub longer_m: f32,
 }
 
@@ -413,9 +414,21 @@ fn textures(asset: &TreeAsset, files: &[PackFile]) -> TexturesEntry {
             extra: Some(path("foliage_extra")),
             size: size(&asset.foliage.albedo),
             mips: mips.cloned().collect(),
-            captures: asset.reliefs.iter().map(CaptureEntry::from).collect(),
+            captures: captures(&asset.reliefs),
         },
     }
+}
+
+/// Each picture once: levels that share one may show it at several sizes.
+fn captures(reliefs: &[Relief]) -> Vec<CaptureEntry> {
+    let mut entries: Vec<CaptureEntry> = Vec::new();
+    for relief in reliefs {
+        let entry = CaptureEntry::from(relief);
+        if entries.iter().all(|other| other.uv != entry.uv) {
+            entries.push(entry);
+        }
+    }
+    entries
 }
 
 fn shadows(asset: &TreeAsset) -> ShadowsEntry {

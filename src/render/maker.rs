@@ -27,9 +27,8 @@ impl Maker {
         source: &Drawable<'_>,
         textures: Option<Textures>,
     ) -> Result<Model, GpuError> {
-        let model = Model::new(&self.gpu, &self.layouts, source, (textures, VOLUME_CELLS))?;
-        self.gpu.check()?;
-        Ok(model)
+        self.gpu
+            .apart(|| Model::new(&self.gpu, &self.layouts, source, (textures, VOLUME_CELLS)))
     }
 
     /// Puts a sketch on the device, with the meshes that stand in for it. If it is itself such a mesh it is the first of
@@ -44,18 +43,18 @@ impl Maker {
         textures: Option<Textures>,
     ) -> Result<Model, GpuError> {
         let cells = if is_one { ROUGH_CELLS } else { VOLUME_CELLS };
-        let mut model = Model::new(&self.gpu, &self.layouts, source, (textures, cells))?;
-        model.is_rough = is_one;
-        if is_one {
-            model.stand_ins.extend(model.lods.first().cloned());
-        }
-        for mesh in stand_ins {
-            model
-                .stand_ins
-                .push(Lod::new(&self.gpu, (mesh, source.reliefs), 0.0)?);
-        }
-        self.gpu.check()?;
-        Ok(model)
+        self.gpu.apart(|| {
+            let mut model = Model::new(&self.gpu, &self.layouts, source, (textures, cells))?;
+            model.is_rough = is_one;
+            if is_one {
+                model.stand_ins.extend(model.lods.first().cloned());
+            }
+            for mesh in stand_ins {
+                let lod = Lod::new(&self.gpu, (mesh, source.reliefs), 0.0)?;
+                model.stand_ins.push(lod);
+            }
+            Ok(model)
+        })
     }
 
     /// The same tree with other baked shadows on the ground.
@@ -63,8 +62,7 @@ impl Maker {
     /// # Errors
     /// What the driver says.
     pub fn shaded(&self, model: &Model, shadows: &Shadows) -> Result<Model, GpuError> {
-        let model = model.shaded(&self.gpu, &self.layouts, &shadows.maps);
-        self.gpu.check()?;
-        Ok(model)
+        self.gpu
+            .apart(|| Ok(model.shaded(&self.gpu, &self.layouts, &shadows.maps)))
     }
 }

@@ -87,6 +87,9 @@ fn origins(primitive: &Primitive, reliefs: &[Relief]) -> Vec<Origin> {
     let levels = primitive.levels.iter().map(|&level| flat(level.into()));
     let mut origins: Vec<Origin> = levels.collect();
     origins.resize(primitive.vertices.len(), flat(NO_LEVEL));
+    if reliefs.is_empty() {
+        return origins;
+    }
     for &corners in primitive.indices.as_chunks::<3>().0 {
         let vertices = corners.map(|i| &primitive.vertices[i as usize]);
         let uv = vertices.map(|v| Vec2::from(v.uv));
@@ -107,14 +110,13 @@ fn origins(primitive: &Primitive, reliefs: &[Relief]) -> Vec<Origin> {
 fn longer_side(relief: &Relief, uv: [Vec2; 3], at: [Vec3; 3]) -> f32 {
     let [a, b] = [uv[1] - uv[0], uv[2] - uv[0]];
     let [p, q] = [at[1] - at[0], at[2] - at[0]];
-    let area = a.perp_dot(b);
-    if area == 0.0 {
-        return 0.0;
-    }
-    let across = (p * b.y - q * a.y).length() / area.abs();
-    let down = (q * a.x - p * b.x).length() / area.abs();
+    let area = a.perp_dot(b).abs();
+    let across = (p * b.y - q * a.y).length() / area;
+    let down = (q * a.x - p * b.x).length() / area;
     let uv = relief.uv;
-    (across * (uv.u1 - uv.u0)).max(down * (uv.v1 - uv.v0))
+    let longer = (across * (uv.u1 - uv.u0)).max(down * (uv.v1 - uv.v0));
+    // A triangle without area shows nothing.
+    if longer.is_finite() { longer } else { 0.0 }
 }
 
 #[cfg(test)]

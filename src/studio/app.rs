@@ -633,6 +633,10 @@ impl Studio {
 }
 
 impl eframe::App for Studio {
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        self.view.background(visuals)
+    }
+
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         Self::ui(self, ui);
     }

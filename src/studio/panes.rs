@@ -24,7 +24,7 @@ use crate::viewer::loader::Stage;
 use crate::viewer::settings::{Arrangement, Settings, Sun};
 use crate::viewer::{Subject, Viewport};
 use crate::viewer::{legend, panel};
-use eframe::egui::{self, Align2, RichText, Ui, vec2};
+use eframe::egui::{self, Align2, RichText, Ui, UiBuilder, UiKind, UiStackInfo, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -102,11 +102,16 @@ impl Behavior<Pane> for Panes<'_> {
     }
 }
 
+/// A pane's content with air around it. The window's background is of a panel's colour: painting that once more takes a
+/// software driver long, but what lies on it must know.
 fn framed(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    let frame = egui::Frame::NONE.fill(ui.visuals().panel_fill);
-    frame.inner_margin(6.0).show(ui, |ui| {
-        ui.set_min_size(ui.available_size());
-        content(ui);
+    let background = egui::Frame::NONE.fill(ui.visuals().panel_fill);
+    let info = UiStackInfo::new(UiKind::Frame).with_frame(background);
+    ui.scope_builder(UiBuilder::new().ui_stack_info(info), |ui| {
+        egui::Frame::NONE.inner_margin(6.0).show(ui, |ui| {
+            ui.set_min_size(ui.available_size());
+            content(ui);
+        });
     });
 }
 

@@ -104,7 +104,7 @@ pub struct App {
     legacy: Legacy,
     /// What is said for a while, and until when.
     message: Option<(String, f64)>,
-    /// What the adapter said of the newest tree or frame.
+    /// What the adapter said of the newest frame.
     fault: Option<String>,
     lost: bool,
     arrangement: Arrangement,
@@ -366,6 +366,10 @@ impl App {
 }
 
 impl eframe::App for App {
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        self.view.background(visuals)
+    }
+
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         Self::ui(self, ui);
     }

@@ -1,22 +1,23 @@
 //! A tree on the window's device, and the picture of it that the window shows.
 
+use super::show::{Paintable, Showing};
 use crate::gpu::{Gpu, GpuError};
 use crate::image::Image;
 use crate::math::{Vec3, float, round_to_u32};
 use crate::render::forest::{Forest, ForestError, ForestTree};
 use crate::render::{Maker, Model, Renderer, Scene};
-use eframe::egui::TextureId;
+use eframe::egui::Color32;
 use eframe::egui_wgpu::RenderState;
 use std::time::Instant;
 
-/// What egui samples: bytes that are encoded already.
+/// What a window is shown: bytes that are encoded already.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// A renderer on the window's device.
 #[derive(Debug)]
 pub(super) struct Canvas {
     renderer: Renderer,
-    window: Window,
+    showing: Showing,
     /// By [`Side`].
     sheets: [Sheet; 2],
     /// A forest on the device, and the trees that it was made of.
@@ -59,16 +60,8 @@ pub(super) struct Woods {
 #[derive(Debug)]
 struct Picture {
     view: wgpu::TextureView,
-    id: TextureId,
+    paintable: Paintable,
     size: [u32; 2],
-}
-
-struct Window(RenderState);
-
-impl std::fmt::Debug for Window {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Window")
-    }
 }
 
 impl Woods {
@@ -89,7 +82,7 @@ impl Canvas {
         let gpu = Gpu::from_parts(state.device.clone(), state.queue.clone(), info);
         Ok(Self {
             renderer: Renderer::new(&gpu, FORMAT)?,
-            window: Window(state.clone()),
+            showing: Showing::new(state),
             sheets: [Sheet::default(), Sheet::default()],
             forest: None,
         })
@@ -117,6 +110,11 @@ impl Canvas {
         } else {
             self.forget();
         }
+    }
+
+    /// A colour as the window is to be cleared with.
+    pub(super) fn background(&self, colour: Color32) -> [f32; 4] {
+        self.showing.background(colour)
     }
 
     /// True if a processor draws.
@@ -153,10 +151,7 @@ impl Canvas {
 
     /// Gives the memory of a picture back that is not wanted any more.
     pub(super) fn let_go(&mut self, side: Side) {
-        let sheet = std::mem::take(&mut self.sheets[side as usize]);
-        if let Some(picture) = sheet.picture {
-            self.window.0.renderer.write().free_texture(&picture.id);
-        }
+        self.sheets[side as usize] = Sheet::default();
     }
 
     /// Outermost points of the tree, metres.
@@ -247,10 +242,10 @@ impl Canvas {
 
     /// What was drawn last.
     #[must_use]
-    pub(super) fn picture(&self, side: Side) -> Option<TextureId> {
+    pub(super) fn picture(&self, side: Side) -> Option<&Paintable> {
         let sheet = &self.sheets[side as usize];
         sheet.drawn.as_ref()?;
-        Some(sheet.picture.as_ref()?.id)
+        Some(&sheet.picture.as_ref()?.paintable)
     }
 
     /// A scene as a picture to keep.
@@ -307,19 +302,9 @@ impl Canvas {
             view_formats: &[],
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut egui = self.window.0.renderer.write();
-        let linear = wgpu::FilterMode::Linear;
-        let id = match sheet.picture.take() {
-            Some(Picture { id, .. }) => {
-                egui.update_egui_texture_from_wgpu_texture(device, &view, linear, id);
-                id
-            }
-            None => egui.register_native_texture(device, &view, linear),
-        };
-        drop(egui);
         sheet.picture = Some(Picture {
             view: view.clone(),
-            id,
+            paintable: self.showing.of(device, &view),
             size,
         });
         view

@@ -19,6 +19,7 @@ pub mod projection;
 pub mod rig;
 pub mod settings;
 pub mod shot;
+mod show;
 pub mod split;
 pub mod stage;
 mod subject;

@@ -5,9 +5,9 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-/// Seconds that drawing may take while something moves: with what the window itself needs, at least 10 frames a
-/// second.
-pub const GOAL: f32 = 0.04;
+/// Seconds that drawing may take while something moves: with what the window itself needs, some 0.03, at least 10
+/// frames a second.
+pub const GOAL: f32 = 0.055;
 
 /// Parts of the window's pixels along an edge, from the finest.
 const FACTORS: [f32; 6] = [1.0, 0.75, 0.5, 0.375, 0.3, 0.25];

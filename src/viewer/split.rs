@@ -2,14 +2,15 @@
 //! line that is dragged, the chosen one to its right.
 
 use super::settings::{Arrangement, Settings};
+use super::show::Paintable;
 use super::subject::Subject;
 use super::viewport::{grouped, write};
 use crate::math::float;
 use crate::render::Scene;
 use eframe::egui::accesskit::{Action, ActionData, Orientation};
 use eframe::egui::{
-    self, Align2, Color32, CursorIcon, EventFilter, Key, Rect, Response, Role, Sense, Stroke,
-    TextureId, Ui, WidgetInfo, pos2, vec2,
+    self, Align2, Color32, CursorIcon, EventFilter, Key, Rect, Response, Role, Sense, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
 };
 
 /// Where the line stands at first, as a part of the picture's width.
@@ -58,16 +59,11 @@ pub(super) fn finest(scene: &Scene) -> Scene {
 }
 
 /// Shows the left part of one picture and the right part of another.
-pub(super) fn paint(ui: &Ui, rect: Rect, at: f32, [left, right]: [TextureId; 2]) {
+pub(super) fn paint(ui: &Ui, rect: Rect, at: f32, [left, right]: [&Paintable; 2]) {
     let (a, b) = rect.split_left_right_at_fraction(at);
-    let (uv_a, uv_b) = whole().split_left_right_at_fraction(at);
-    ui.painter().image(left, a, uv_a, Color32::WHITE);
-    ui.painter().image(right, b, uv_b, Color32::WHITE);
-}
-
-/// A whole picture.
-pub(super) fn whole() -> Rect {
-    Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0))
+    for (picture, part) in [(left, a), (right, b)] {
+        picture.paint(&ui.painter().with_clip_rect(part), rect);
+    }
 }
 
 /// The line, which is moved by the mouse, by the arrow keys once it is reached by Tab, and by a screen reader.

@@ -21,6 +21,9 @@ use eframe::egui::{self, Color32, PointerButton, Pos2, Rect, Response, Sense, Ui
 use eframe::egui_wgpu::RenderState;
 use std::time::Duration;
 
+/// What there is where there is no picture.
+const UNSEEN: Color32 = Color32::from_gray(24);
+
 /// Radians a second of the turntable.
 const TURNTABLE: f32 = 0.45;
 
@@ -142,6 +145,12 @@ impl Viewport {
         self.awaits = awaits;
     }
 
+    /// What a window with this view is cleared with: the colour of panels, which then need not paint it.
+    #[must_use]
+    pub fn background(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        self.canvas.background(visuals.panel_fill)
+    }
+
     /// True if a processor draws, which takes its time.
     #[must_use]
     pub fn is_software(&self) -> bool {
@@ -231,13 +240,17 @@ impl Viewport {
         let room = ui.available_size();
         let (rect, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
         let scale = ui.ctx().pixels_per_point();
-        self.size = [rect.width(), rect.height()].map(|edge| round_to_u32((edge * scale).max(0.0)));
+        // As many pixels as lie between its edges on the screen.
+        self.size = [rect.x_range(), rect.y_range()].map(|range| {
+            let [from, to] = [range.min, range.max].map(|at| (at * scale).round());
+            round_to_u32((to - from).max(0.0))
+        });
         let name = subject.map_or("no tree yet", |s| s.name.as_str());
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::Role::Canvas, true, format!("View of {name}"))
         });
         let Some(subject) = subject else {
-            ui.painter().rect_filled(rect, 0.0, Color32::from_gray(24));
+            ui.painter().rect_filled(rect, 0.0, UNSEEN);
             return Ok(response);
         };
         if self.unframed && !self.size.contains(&0) {
@@ -268,12 +281,12 @@ impl Viewport {
     fn paint(&self, ui: &Ui, view: &Response, settings: &mut Settings, subject: &Subject) {
         let rect = view.rect;
         let Some(main) = self.canvas.picture(Side::Main) else {
+            ui.painter().rect_filled(rect, 0.0, UNSEEN);
             return;
         };
         let finest = self.canvas.picture(Side::Finest);
         let Some((at, finest)) = split::place(settings).zip(finest) else {
-            ui.painter()
-                .image(main, rect, split::whole(), Color32::WHITE);
+            main.paint(ui.painter(), rect);
             return;
         };
         split::paint(ui, rect, at, [finest, main]);
