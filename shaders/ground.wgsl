@@ -61,7 +61,7 @@ fn turf(p: vec2<f32>, footprint: f32) -> vec3<f32> {
     var tufts = 0.0;
     var scale = 0.045;
     for (var i = 0; i < 11; i++) {
-        let part = saturate(1.7 - footprint * scale * 3.0);
+        let part = saturate(1.65 - footprint * scale * 2.3);
         if part == 0.0 {
             break;
         }
@@ -71,10 +71,9 @@ fn turf(p: vec2<f32>, footprint: f32) -> vec3<f32> {
         let noise = (mottle(q * scale + f32(i) * 17.3) - 0.5) * part;
         if i < 3 {
             patches += noise * 0.24;
-        } else if i < 6 {
-            tufts += noise * 0.16;
         } else {
-            tufts += noise * 0.85;
+            // Grass is most uneven from blade to blade.
+            tufts += noise * min(0.16 * f32(i - 2), 0.85);
         }
         scale *= 2.4;
     }
