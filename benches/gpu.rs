@@ -1,6 +1,6 @@
 //! All captures and the nine shadows of three trees, as they are baked again after an edit: by the processor, and by
-//! whatever adapter there is. What the adapter is asked for is printed first, since on a software driver the
-//! processor's cores do its work too.
+//! whatever adapter there is. First both in turn, so that a machine whose speed changes is as fair to one as to the
+//! other, with what the adapter is asked for; then each by itself.
 
 use divan::{Bencher, black_box};
 use pleach::capture::{self, ALPHA_CUTOFF, LeafArtwork, Plan};
@@ -19,25 +19,65 @@ use pleach::texture;
 use pleach::tree::{Limits, Tree, grow};
 use std::path::Path;
 use std::sync::OnceLock;
+use std::time::Instant;
 
 /// A crown of many small cards, a larger one, and fronds of long ones.
 const SPECIES: [&str; 3] = ["olive", "english_oak", "palm"];
+
+/// Rounds of the processor and the adapter in turn.
+const ROUNDS: usize = 7;
 
 fn main() {
     match baker() {
         Some(baker) => {
             println!("adapter: {}", baker.gpu().describe());
             for slug in SPECIES {
-                let subject = Subject::new(slug);
-                let (baked, first) = subject.captures(baker);
-                println!("{slug}: captures: {first:?}");
-                subject.shadows(baker, &baked);
-                println!("{slug}: shadows: {:?}", baker.take_tally());
+                in_turn(slug, baker);
             }
         }
         None => println!("no adapter: the processor alone"),
     }
     divan::main();
+}
+
+/// Medians of both, and how many times as long as the processor the adapter takes.
+fn in_turn(slug: &str, baker: &Baker) {
+    let subject = Subject::new(slug);
+    let (baked, asked) = subject.captures(baker);
+    println!("{slug}: captures: {asked:?}");
+    subject.shadows(baker, &baked);
+    println!("{slug}: shadows: {:?}", baker.take_tally());
+    let mut times: [Vec<f64>; 6] = Default::default();
+    for _ in 0..ROUNDS {
+        let captures = [
+            timed(|| subject.captures(&capture::Cpu)),
+            timed(|| subject.captures(baker)),
+        ];
+        let shadows = [
+            timed(|| subject.shadows(&shadow::Cpu, &baked)),
+            timed(|| subject.shadows(baker, &baked)),
+        ];
+        let both = [captures[0] + shadows[0], captures[1] + shadows[1]];
+        for (times, time) in times.iter_mut().zip([captures, shadows, both].concat()) {
+            times.push(time);
+        }
+    }
+    let medians = times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[ROUNDS / 2]
+    });
+    let (pairs, _) = medians.as_chunks::<2>();
+    for (what, [processor, adapter]) in ["captures", "shadows", "both"].iter().zip(pairs) {
+        let ratio = adapter / processor;
+        println!("{slug}: {what}: processor {processor:.3} s, adapter {adapter:.3} s: {ratio:.2}");
+    }
+}
+
+/// Seconds that something takes.
+fn timed<T>(work: impl FnOnce() -> T) -> f64 {
+    let begun = Instant::now();
+    black_box(work());
+    begun.elapsed().as_secs_f64()
 }
 
 /// The adapter, if there is one, with its shaders compiled.
@@ -160,25 +200,5 @@ fn shadows_by_the_adapter(bencher: Bencher, slug: &str) {
     let (baked, _) = subject.captures(&capture::Cpu);
     if let Some(baker) = baker() {
         bencher.bench(|| subject.shadows(baker, black_box(&baked)));
-    }
-}
-
-#[divan::bench(args = SPECIES, sample_count = 10)]
-fn all_by_the_processor(bencher: Bencher, slug: &str) {
-    let subject = Subject::new(slug);
-    bencher.bench(|| {
-        let (baked, _) = black_box(&subject).captures(&capture::Cpu);
-        subject.shadows(&shadow::Cpu, &baked)
-    });
-}
-
-#[divan::bench(args = SPECIES, sample_count = 10)]
-fn all_by_the_adapter(bencher: Bencher, slug: &str) {
-    let subject = Subject::new(slug);
-    if let Some(baker) = baker() {
-        bencher.bench(|| {
-            let (baked, _) = black_box(&subject).captures(baker);
-            subject.shadows(baker, &baked)
-        });
     }
 }

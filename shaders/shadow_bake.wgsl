@@ -1,9 +1,12 @@
 // Soft ground shadows: hard shadows as bits, then summed. `src/shadow/raster.rs` and `cpu.rs` are the processor's
 // twins, rule by rule; only rounding may differ.
 //
-// A thread draws some triangles into the masks of a few samples. Its neighbours draw the same ones for other samples,
+// A thread draws some triangles into the masks of some samples. Its neighbours draw the same ones for other samples,
 // nearly at the same places: they walk through the same rows together, and none waits for another's marks. What a
 // triangle is made of is read once for all samples of a thread.
+
+// Threads of a workgroup.
+override THREADS: u32 = 64u;
 
 struct Job {
     // Texels along the edge of a map, and words of 32 of them along a row.
@@ -17,12 +20,12 @@ struct Job {
     first: u32,
     // Samples of a light.
     a_light: u32,
-    // Triangles that a thread draws.
-    triangles: u32,
+    // Workgroups that share the triangles.
+    groups: u32,
     // The coverage's texels across and down, and its number of mips.
     coverage: vec2<u32>,
     mips: u32,
-    // Samples into whose masks a thread draws: they are a workgroup's number apart.
+    // Samples into whose masks a thread draws: they lie as far apart as a workgroup has threads.
     masks: u32,
 }
 
@@ -132,25 +135,19 @@ fn covered(cut: Cut, at: vec2<f32>) -> bool {
     return ((four >> (place.x % 4u * 8u)) & 0xffu) >= cut.threshold;
 }
 
-// Marks the covered texels of one row's span. Of what is cut out, texels that other triangles have marked need not be
-// looked at: most of them, under a crown. A mark that comes in between is made twice.
+// Marks the covered texels of one row's span.
 fn span(cut: Cut, corner: vec2<f32>, row: u32, y: u32, x0: u32, x1: u32) {
     let start = cut.origin - corner.x * cut.right + (f32(y) + 0.5 - corner.y) * cut.down;
     for (var word = x0 / 32u; word * 32u < x1; word++) {
         let first = max(x0, word * 32u) % 32u;
         let last = (min(x1, word * 32u + 32u) - 1u) % 32u;
-        let within = (0xffffffffu << first) & (0xffffffffu >> (31u - last));
-        var bits = within;
-        if !cut.solid {
-            bits = within & ~atomicLoad(&masks[row + word]);
-            if bits != 0u {
-                let missing = bits;
-                bits = 0u;
-                let end = firstLeadingBit(missing);
-                for (var bit = firstTrailingBit(missing); bit <= end; bit++) {
-                    let place = start + (f32(word * 32u + bit) + 0.5) * cut.right;
-                    bits |= u32(covered(cut, place)) << bit;
-                }
+        var bits = 0u;
+        if cut.solid {
+            bits = (0xffffffffu << first) & (0xffffffffu >> (31u - last));
+        } else {
+            for (var bit = first; bit <= last; bit++) {
+                let place = start + (f32(word * 32u + bit) + 0.5) * cut.right;
+                bits |= u32(covered(cut, place)) << bit;
             }
         }
         if bits != 0u {
@@ -208,7 +205,7 @@ fn draw_bark(triangle: u32, first: u32) {
     let at_c = point(bark[triangle * 3u + 2u]);
     var cut: Cut;
     cut.solid = true;
-    for (var i = first; i < min(first + job.masks * 64u, job.samples); i += 64u) {
+    for (var i = first; i < min(first + job.masks * THREADS, job.samples); i += THREADS) {
         let sample = batch.samples[i];
         let mask = i * job.row * job.size;
         draw(cut, shadow(sample, at_a), shadow(sample, at_b), shadow(sample, at_c), mask);
@@ -220,7 +217,7 @@ fn draw_leaf(triangle: u32, first: u32) {
     let at_a = point(leaf.corners[0]);
     let at_b = point(leaf.corners[1]);
     let at_c = point(leaf.corners[2]);
-    for (var i = first; i < min(first + job.masks * 64u, job.samples); i += 64u) {
+    for (var i = first; i < min(first + job.masks * THREADS, job.samples); i += THREADS) {
         let sample = batch.samples[i];
         let away = stray(sample, leaf.key);
         let a = shadow(sample, at_a) - at_a.y * away;
@@ -250,18 +247,18 @@ fn draw_leaf(triangle: u32, first: u32) {
     }
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(THREADS)
 fn cs_hard(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let sample = group.y * (job.masks * 64u) + local.x;
+    let sample = group.y * (job.masks * THREADS) + local.x;
     if sample >= job.samples {
         return;
     }
-    let first = group.x * job.triangles;
-    for (var t = first; t < min(first + job.triangles, job.bark); t++) {
+    // Each takes some of all kinds and places, so that none is done long before the others.
+    for (var t = group.x; t < job.bark; t += job.groups) {
         draw_bark(t, sample);
     }
-    for (var t = max(first, job.bark); t < min(first + job.triangles, job.bark + job.leaves); t++) {
-        draw_leaf(t - job.bark, sample);
+    for (var t = group.x; t < job.leaves; t += job.groups) {
+        draw_leaf(t, sample);
     }
 }
 

@@ -140,7 +140,7 @@ fn structs_of_baking_lie_in_memory_as_the_shaders_read_them() {
         assert_eq!(layout_of(source, "Shot"), shot, "{}", source.name);
         assert_eq!(layout_of(source, "Sheet"), sheet, "{}", source.name);
     }
-    let job = members!(layout::Job: size row bark leaves samples first a_light triangles coverage mips masks);
+    let job = members!(layout::Job: size row bark leaves samples first a_light groups coverage mips masks);
     assert_eq!(layout_of(&shader::SHADOWS, "Job"), job);
     let projection = members!(layout::Projection: origin lean a_metre along across share number);
     assert_eq!(layout_of(&shader::SHADOWS, "Projection"), projection);

@@ -27,7 +27,7 @@ pub(super) fn draw(
         baker,
         pass,
         surfaces: Surfaces::new(gpu, pass).map_err(MachineFault::from)?,
-        targets: None,
+        targets: baker.kept_targets(),
     };
     baker.count(Tally {
         bytes_up: stage.surfaces.bytes(),
@@ -59,6 +59,7 @@ pub(super) fn draw(
     if !group.scenes.is_empty() {
         exposed.push(stage.expose(group).map_err(MachineFault::from)?);
     }
+    baker.keep(stage.targets);
     if progress.cancelled() {
         return Err(Cancelled.into());
     }
@@ -86,7 +87,7 @@ impl Stage<'_> {
             grids: group.grids,
         };
         let targets = Targets::holding(gpu, self.targets.take(), size);
-        let buffers = self.buffers(&group, &list, targets.samples());
+        let buffers = self.buffers(&group, &list, size.samples);
         let row = row_bytes(width);
         let bytes_back = u64::from(row) * u64::from(height);
         let texels = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -105,6 +106,7 @@ impl Stage<'_> {
             encoder: &mut encoder,
             buffers: &buffers,
             targets: &targets,
+            samples: size.samples,
             list: &list,
         };
         let pipelines = &self.baker.captures;

@@ -53,7 +53,7 @@ pub struct Job {
     pub samples: u32,
     pub first: u32,
     pub a_light: u32,
-    pub triangles: u32,
+    pub groups: u32,
     pub coverage: [u32; 2],
     pub mips: u32,
     pub masks: u32,

@@ -36,6 +36,9 @@ pub struct Baker {
     captures: passes::Pipelines,
     shadows: shadows::Pipelines,
     tally: Mutex<Tally>,
+    /// What the last captures were drawn into: an edit is followed by the next, and a driver takes its time to get so
+    /// much memory.
+    targets: Mutex<Option<passes::Targets>>,
 }
 
 /// What was asked of the adapter.
@@ -72,8 +75,9 @@ impl Baker {
         let baker = Self {
             gpu: gpu.clone(),
             captures: passes::Pipelines::new(&gpu.device),
-            shadows: shadows::Pipelines::new(&gpu.device),
+            shadows: shadows::Pipelines::new(gpu),
             tally: Mutex::default(),
+            targets: Mutex::default(),
         };
         gpu.check()?;
         Ok(baker)
@@ -95,6 +99,18 @@ impl Baker {
     fn count(&self, more: Tally) {
         let mut tally = self.tally.lock().unwrap_or_else(PoisonError::into_inner);
         *tally += more;
+    }
+
+    /// The targets of earlier captures, unless another thread draws into them.
+    fn kept_targets(&self) -> Option<passes::Targets> {
+        let mut kept = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.take()
+    }
+
+    /// Keeps targets for the next captures, if they are not unusually large.
+    fn keep(&self, targets: Option<passes::Targets>) {
+        let mut kept = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
+        *kept = targets.filter(passes::Targets::is_usual);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::group::{GROUP_SAMPLES, List, count};
 use super::upload;
 use crate::gpu::{Gpu, shader};
+use crate::math::float;
 use crate::mesh::Vertex;
 use wgpu::{BindGroupLayout, BindingResource, Buffer, RenderPipeline, TextureFormat, TextureView};
 
@@ -47,6 +48,7 @@ pub(super) struct Buffers {
 }
 
 /// Pictures that one pass of a group draws for another; groups after each other draw into the same ones.
+#[derive(Debug)]
 pub(super) struct Targets {
     /// The light that reaches each cell.
     open: TextureView,
@@ -59,7 +61,7 @@ pub(super) struct Targets {
 }
 
 /// Width and height of the pictures.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Size {
     pub(super) samples: [u32; 2],
     pub(super) texels: [u32; 2],
@@ -78,6 +80,11 @@ impl Size {
     fn holds(&self, other: &Self) -> bool {
         let pairs = self.pairs(other);
         pairs.iter().all(|(a, b)| a[0] >= b[0] && a[1] >= b[1])
+    }
+
+    fn is_usual(&self) -> bool {
+        let [across, down] = self.samples.map(u64::from);
+        across * down <= GROUP_SAMPLES
     }
 
     fn with(&self, other: &Self) -> Self {
@@ -119,14 +126,12 @@ impl Targets {
         }
         let both = before.size.with(&size);
         drop(before);
-        let [across, down] = both.samples.map(u64::from);
-        let is_small = across * down <= GROUP_SAMPLES;
-        Self::new(gpu, if is_small { both } else { size })
+        Self::new(gpu, if both.is_usual() { both } else { size })
     }
 
-    /// Samples across and down.
-    pub(super) fn samples(&self) -> [u32; 2] {
-        self.size.samples
+    /// True if no single scene needed more than a group is meant to have.
+    pub(super) fn is_usual(&self) -> bool {
+        self.size.is_usual()
     }
 }
 
@@ -237,6 +242,8 @@ impl Pipelines {
         let images = images.map(|image| BindingResource::TextureView(&image.view));
         let group = on.bound(&self.seen, &images);
         let mut pass = on.pass("captures", &on.targets.seen, Some(&on.targets.near));
+        let [across, down] = on.samples.map(float);
+        pass.set_viewport(0.0, 0.0, across, down, 0.0, 1.0);
         pass.set_vertex_buffer(0, on.buffers.vertices.slice(..));
         pass.set_index_buffer(on.buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
         let mut calls = 0;
@@ -288,6 +295,8 @@ pub(super) struct Recording<'a> {
     pub(super) encoder: &'a mut wgpu::CommandEncoder,
     pub(super) buffers: &'a Buffers,
     pub(super) targets: &'a Targets,
+    /// Samples of the group's sheet, across and down: what is drawn must not depend on the size of older targets.
+    pub(super) samples: [u32; 2],
     pub(super) list: &'a List,
 }
 

@@ -12,7 +12,7 @@ use wgpu::{Buffer, BufferUsages};
 /// Bytes that the masks of a batch may have.
 const MASK_BYTES: u64 = 64 << 20;
 
-/// Threads of a workgroup, as in `shaders/shadow_bake.wgsl`.
+/// Threads of a workgroup that sums, as in `shaders/shadow_bake.wgsl`.
 const GROUP: u32 = 64;
 
 /// Loops that a thread may go through: a software driver ends it after 65,535, and samples of a light differ a little.
@@ -29,22 +29,67 @@ const ROW: u32 = 32_768;
 pub(super) struct Pipelines {
     hard: wgpu::ComputePipeline,
     sum: wgpu::ComputePipeline,
+    team: Team,
 }
 
 impl Pipelines {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        let device = &gpu.device;
         let module = shader::SHADOWS.module(device);
-        let [hard, sum] = ["cs_hard", "cs_sum"].map(|entry| {
+        let team = Team::of(gpu);
+        let pipeline = |entry, constants: &[(&str, f64)]| {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry),
                 layout: None,
                 module: &module,
                 entry_point: Some(entry),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants,
+                    ..wgpu::PipelineCompilationOptions::default()
+                },
                 cache: None,
             })
-        });
-        Self { hard, sum }
+        };
+        Self {
+            hard: pipeline("cs_hard", &[("THREADS", team.threads.into())]),
+            sum: pipeline("cs_sum", &[]),
+            team,
+        }
+    }
+}
+
+/// How many threads share a batch's samples.
+#[derive(Clone, Copy, Debug)]
+struct Team {
+    /// Threads of a workgroup that marks.
+    threads: u32,
+    /// Most samples of a thread.
+    masks: u32,
+}
+
+impl Team {
+    /// A card keeps many threads busy. On a software driver each of them reads a triangle by itself: as few as it runs
+    /// at once then draw it for the whole batch, which takes half as long.
+    fn of(gpu: &Gpu) -> Self {
+        let threads = if gpu.is_software() { 8 } else { GROUP };
+        let masks = if gpu.is_software() {
+            count(BATCH).div_ceil(threads)
+        } else {
+            2
+        };
+        Self { threads, masks }
+    }
+
+    /// How many triangles a thread draws, and into how many masks: fewer of large ones. One that fills a map of more
+    /// than 256 texels may still be too much for a software driver.
+    fn shares(self, work: &Work<'_>) -> (u32, u32) {
+        let casters = work.casters;
+        let most = most_loops(work);
+        let triangles = count(casters.bark.len() + casters.leaves.len());
+        let least = triangles.div_ceil(MOST_GROUPS).max(1);
+        let masks = (LOOPS / most.saturating_mul(least)).clamp(1, self.masks);
+        let triangles = LOOPS / most.saturating_mul(masks);
+        (triangles.clamp(1, 64), masks)
     }
 }
 
@@ -82,8 +127,9 @@ impl<'a> Bench<'a> {
     fn new(baker: &'a Baker, work: &Work<'_>) -> Result<Self, GpuError> {
         let gpu = &baker.gpu;
         let casters = work.casters;
-        let (triangles, masks) = a_thread(work);
+        let (triangles, masks) = baker.shadows.team.shares(work);
         check(gpu, work, triangles)?;
+        let groups = count(casters.bark.len() + casters.leaves.len()).div_ceil(triangles);
         let coverage = Mips::new(gpu, work.coverage)?;
         let bytes_up = size_of_val(&casters.points[..])
             + size_of_val(&casters.bark[..])
@@ -102,7 +148,7 @@ impl<'a> Bench<'a> {
                 samples: 0,
                 first: 0,
                 a_light: count(work.lights.first().map_or(0, |l| l.samples.len())),
-                triangles,
+                groups,
                 coverage: coverage.size,
                 mips: coverage.mips,
                 masks,
@@ -183,7 +229,7 @@ impl<'a> Bench<'a> {
         lights: usize,
     ) {
         let gpu = &self.baker.gpu;
-        let Pipelines { hard, sum } = &self.baker.shadows;
+        let Pipelines { hard, sum, team } = &self.baker.shadows;
         let uniform = upload::uniform(gpu, "shadow job", job);
         let mut samples = [Projection::zeroed(); BATCH];
         samples[..batch.len()].copy_from_slice(batch);
@@ -212,11 +258,14 @@ impl<'a> Bench<'a> {
             ],
         );
         encoder.clear_buffer(masks, 0, None);
-        let triangles = (job.bark + job.leaves).div_ceil(job.triangles);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(hard);
         pass.set_bind_group(0, &of_hard, &[]);
-        pass.dispatch_workgroups(triangles, job.samples.div_ceil(GROUP * job.masks), 1);
+        pass.dispatch_workgroups(
+            job.groups,
+            job.samples.div_ceil(team.threads * job.masks),
+            1,
+        );
         drop(pass);
         let halves = usize::try_from(self.words() * 2).unwrap_or(usize::MAX);
         let groups = count(halves).div_ceil(GROUP);
@@ -227,9 +276,8 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// How many triangles a thread draws, and into how many masks: fewer of large ones. One that fills a map of more than
-/// 256 texels may still be too much for a software driver.
-fn a_thread(work: &Work<'_>) -> (u32, u32) {
+/// Loops that a thread goes through for the largest triangle of a sample, at least one.
+fn most_loops(work: &Work<'_>) -> u32 {
     let casters = work.casters;
     let most = work.lights.iter().filter_map(|light| {
         let sample = light.samples.first()?;
@@ -250,9 +298,7 @@ fn a_thread(work: &Work<'_>) -> (u32, u32) {
             .chain(casters.bark.iter().map(|c| solid(extent(c))))
             .max()
     });
-    let most = most.max().unwrap_or(1);
-    let masks = if most <= LOOPS / 2 { 2 } else { 1 };
-    ((LOOPS / (most * masks)).clamp(1, 64), masks)
+    most.max().unwrap_or(1)
 }
 
 /// Refuses what the adapter's buffers cannot hold, and more triangles than its threads draw, so many each.
