@@ -7,6 +7,7 @@ use crate::math::{Vec2, floor_to_u32};
 use crate::report::{Cancelled, MachineFault, Progress};
 use crate::shadow::{BakeError, Coverage, Light, Work};
 use bytemuck::Zeroable;
+use rayon::prelude::*;
 use wgpu::{Buffer, BufferUsages};
 
 /// Bytes that the masks of a batch may have.
@@ -279,7 +280,7 @@ impl<'a> Bench<'a> {
 /// Loops that a thread goes through for the largest triangle of a sample, at least one.
 fn most_loops(work: &Work<'_>) -> u32 {
     let casters = work.casters;
-    let most = work.lights.iter().filter_map(|light| {
+    let most = work.lights.par_iter().filter_map(|light| {
         let sample = light.samples.first()?;
         let shadow = |&at: &u32| {
             let [x, y, z] = casters.points[at as usize];
@@ -391,5 +392,5 @@ fn read(gpu: &Gpu, back: &Buffer, (pairs, size): (u64, u32)) -> Result<Vec<Vec<u
         let halves = rows.flat_map(|row| row.as_chunks::<2>().0);
         halves.map(|h| u16::from_le_bytes(*h)).collect()
     };
-    Ok(bytes.chunks_exact(a_light).map(light).collect())
+    Ok(bytes.par_chunks_exact(a_light).map(light).collect())
 }
