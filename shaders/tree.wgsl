@@ -108,10 +108,10 @@ fn sway_seen(instance: Instance) -> f32 {
 }
 
 // Where the wind takes a vertex, in the tree's own frame. `view_axis` is what leaves turn about.
+//
+// A calm is not asked for by itself: where uniforms alone decide that half of a vertex shader is not needed, a software
+// driver compiles it again for each frame whose uniforms are others, which takes longer than all vertices.
 fn swayed(vertex: Vertex, instance: Instance, view_axis: vec3<f32>) -> vec3<f32> {
-    if frame.wind.z <= 0.0 {
-        return vertex.position;
-    }
     let seen = sway_seen(instance);
     if seen == 0.0 {
         return vertex.position;
