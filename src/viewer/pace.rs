@@ -171,10 +171,12 @@ impl Pace {
             self.known.insert(key, seconds);
             return;
         };
-        // Going nearer makes all pictures slower alike.
+        // Going nearer makes all pictures slower, if not quite alike: what only this quality was wrong about, as a
+        // driver may compile while a first picture waits, must not be believed of the others for ever.
         let change = (0.5 + 0.5 * seconds / before.max(1e-4)).clamp(0.25, 4.0);
-        for known in self.known.values_mut() {
-            *known *= change;
+        let others = libm::sqrtf(change);
+        for (known, seconds) in &mut self.known {
+            *seconds *= if *known == key { change } else { others };
         }
     }
 
@@ -317,6 +319,23 @@ mod tests {
             pace.observe(quality, 0.025 * quality.factor * quality.factor);
         }
         assert_eq!(pace.quality(true, (0, 0), Quality::FULL).factor, 1.0);
+    }
+
+    #[test]
+    fn a_first_picture_for_which_a_driver_compiled_is_forgotten() {
+        let mut pace = Pace::default();
+        let (coarse, fine) = ((0.25, 1), (0.5, 0));
+        let quality = |(factor, coarser)| Quality { factor, coarser };
+        pace.observe(quality(coarse), 0.64);
+        pace.observe(quality(fine), 0.33);
+        let mut slow = 0;
+        for frame in 0..200 {
+            let next = pace.quality(true, (0, 1), Quality::FULL);
+            let seconds = if next == quality(coarse) { 0.06 } else { 0.27 };
+            slow += usize::from(frame >= 20 && seconds > GOAL * ENDURED);
+            pace.observe(next, seconds);
+        }
+        assert!(slow <= 5, "{slow} of 180 frames");
     }
 
     #[test]
