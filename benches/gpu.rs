@@ -1,6 +1,6 @@
 //! All captures and the nine shadows of three trees, as they are baked again after an edit: by the processor, and by
 //! whatever adapter there is. First both in turn, so that a machine whose speed changes is as fair to one as to the
-//! other, with what the adapter is asked for; then each by itself.
+//! other, with what the adapter is asked for; then each by itself, unless only `in_turn` is asked for.
 
 use divan::{Bencher, black_box};
 use pleach::capture::{self, ALPHA_CUTOFF, LeafArtwork, Plan};
@@ -31,8 +31,11 @@ fn main() {
     match baker() {
         Some(baker) => {
             println!("adapter: {}", baker.gpu().describe());
-            for slug in SPECIES {
-                in_turn(slug, baker);
+            let mut asked = std::env::args().skip(1).filter(|a| a != "--bench");
+            if asked.next().is_none_or(|only| only == "in_turn") {
+                for slug in SPECIES {
+                    in_turn(slug, baker);
+                }
             }
         }
         None => println!("no adapter: the processor alone"),

@@ -5,7 +5,7 @@
 // nearly at the same places: they walk through the same rows together, and none waits for another's marks. What a
 // triangle is made of is read once for all samples of a thread.
 
-// Threads of a workgroup.
+// Threads of a workgroup that marks; `src/gpu_bake/shadows.rs` sets it.
 override THREADS: u32 = 64u;
 
 struct Job {
@@ -254,11 +254,12 @@ fn cs_hard(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id
         return;
     }
     // Each takes some of all kinds and places, so that none is done long before the others.
-    for (var t = group.x; t < job.bark; t += job.groups) {
+    var t = group.x;
+    for (; t < job.bark; t += job.groups) {
         draw_bark(t, sample);
     }
-    for (var t = group.x; t < job.leaves; t += job.groups) {
-        draw_leaf(t, sample);
+    for (; t < job.bark + job.leaves; t += job.groups) {
+        draw_leaf(t - job.bark, sample);
     }
 }
 

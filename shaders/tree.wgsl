@@ -102,7 +102,7 @@ fn sway_seen(instance: Instance) -> f32 {
     let rows = transpose(frame.view_projection);
     let pixels_by_metre = 0.5 * frame.viewport.y * length(rows[1].xyz)
         / max(abs(dot(rows[3], vec4<f32>(instance.place.xyz, 1.0))), 1e-3);
-    let speed = min(frame.wind.z / WIND_REFERENCE_SPEED_M_S, WIND_MOST_SPEED);
+    let speed = clamp(frame.wind.z / WIND_REFERENCE_SPEED_M_S, 0.0, WIND_MOST_SPEED);
     let lean = dot(model.rig.amplitude_m, vec3<f32>(1.5)) * speed * sqrt(speed) * instance.place.w;
     return smoothstep(0.3, 0.6, lean * pixels_by_metre);
 }

@@ -13,7 +13,7 @@ use pleach::gpu_bake::Baker;
 use pleach::image::atlas::Rect;
 use pleach::image::{Image, Texel, mips};
 use pleach::math::{Vec3, float};
-use pleach::mesh::{Coat, Mesh, Vertex};
+use pleach::mesh::{Coat, Mesh, Primitive, Vertex};
 use pleach::pack;
 use pleach::pipeline::{self, Bakers, GenerateError, Settings};
 use pleach::report::{Cancelled, Progress, Quiet};
@@ -32,6 +32,10 @@ fn main() -> ExitCode {
         (
             "one_leaf_bare_wood_and_nothing_at_all_are_drawn",
             degenerate,
+        ),
+        (
+            "no_thread_has_too_much_to_draw",
+            no_thread_has_too_much_to_draw,
         ),
         (
             "more_than_a_sheet_holds_is_drawn_on_several",
@@ -372,7 +376,7 @@ fn view(samples: u32) -> View {
     }
 }
 
-fn card(half: f32, z: f32) -> pleach::mesh::Primitive {
+fn card(half: f32, z: f32) -> Primitive {
     let vertex = |x: f32, y: f32| Vertex {
         position: [x * half, y * half, z],
         normal: [0.0, 0.0, 1.0],
@@ -380,7 +384,7 @@ fn card(half: f32, z: f32) -> pleach::mesh::Primitive {
         uv: [x * 0.5 + 0.5, 0.5 - y * 0.5],
         tint: pleach::mesh::WHITE,
     };
-    pleach::mesh::Primitive {
+    Primitive {
         vertices: vec![
             vertex(-1.0, -1.0),
             vertex(1.0, -1.0),
@@ -388,7 +392,7 @@ fn card(half: f32, z: f32) -> pleach::mesh::Primitive {
             vertex(-1.0, 1.0),
         ],
         indices: vec![0, 1, 2, 0, 2, 3],
-        ..pleach::mesh::Primitive::default()
+        ..Primitive::default()
     }
 }
 
@@ -467,22 +471,52 @@ fn degenerate() -> Outcome {
             .map_err(|e| e.to_string())?;
         both.tally().judge("shadow of a leaf, and of nothing")?;
     }
-    // A card as wide as the map: a software driver ends threads that go through too many loops.
-    let both = Both::new()?;
+    Ok(())
+}
+
+/// A software driver ends threads that go through too many loops.
+fn no_thread_has_too_much_to_draw() -> Outcome {
     let alpha = Image::filled(8, 8, 255);
-    let wide = Mesh {
-        foliage: card(2.0, 0.1),
+    let leaves = |foliage| Mesh {
+        foliage,
         ..Mesh::default()
     };
-    shadow::bake_with(
-        &both,
-        &wide,
-        (&alpha, 128),
-        &shadow::Settings::default(),
-        &Quiet,
-    )
-    .map_err(|e| e.to_string())?;
-    both.tally().judge("shadow of a wide card")
+    let both_kinds = Mesh {
+        foliage: field(5, 0.19),
+        bark: field(5, 0.19),
+    };
+    for (what, mesh) in [
+        (
+            "shadow of a card as wide as the map",
+            leaves(card(2.0, 0.1)),
+        ),
+        ("shadow of many small cards", leaves(field(100, 0.006))),
+        ("shadow of large cards and as much bark", both_kinds),
+    ] {
+        let both = Both::new()?;
+        let settings = shadow::Settings::default();
+        shadow::bake_with(&both, &mesh, (&alpha, 128), &settings, &Quiet)
+            .map_err(|e| e.to_string())?;
+        both.tally().judge(what)?;
+    }
+    Ok(())
+}
+
+/// Level cards apart from each other over two metres squared, as many along each side.
+fn field(side: u16, half: f32) -> Primitive {
+    let mut all = Primitive::default();
+    for index in 0..side * side {
+        let mut one = card(half, 0.0);
+        let at = [index % side, index / side].map(|i| f32::from(i) * 2.0 / f32::from(side));
+        for vertex in &mut one.vertices {
+            let [x, y, _] = vertex.position;
+            vertex.position = [at[0] + x, 0.1, at[1] + y];
+        }
+        let first = u32::try_from(all.vertices.len()).expect("few vertices");
+        all.indices.extend(one.indices.iter().map(|i| i + first));
+        all.vertices.extend(one.vertices);
+    }
+    all
 }
 
 fn several_sheets() -> Outcome {
@@ -522,6 +556,12 @@ fn same_twice() -> Outcome {
         .map_err(|e| e.to_string())
     };
     let first = bake(baker()?)?;
+    // A higher sheet, which is kept: what is drawn on it next must not depend on it.
+    let leaf = Mesh {
+        foliage: card(0.3, 0.0),
+        ..Mesh::default()
+    };
+    scenes(&[leaf], 300)?;
     for (second, what) in [
         (bake(baker()?)?, "two bakes of one tree"),
         (bake(&plain)?, "bakes with and without optional features"),

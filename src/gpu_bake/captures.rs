@@ -33,6 +33,19 @@ pub(super) fn draw(
         bytes_up: stage.surfaces.bytes(),
         ..Tally::default()
     });
+    let exposed = expose_all(&mut stage, progress);
+    // Also of a bake that an edit cancels: the next one is about to begin.
+    baker.keep(stage.targets);
+    let exposed = exposed?;
+    if progress.cancelled() {
+        return Err(Cancelled.into());
+    }
+    Ok(developed(gpu, exposed, pass.supersample).map_err(MachineFault::from)?)
+}
+
+/// Makes all scenes of a pass and hands them over, group by group.
+fn expose_all(stage: &mut Stage<'_>, progress: &dyn Progress) -> Result<Vec<Exposed>, BakeError> {
+    let (gpu, pass) = (&stage.baker.gpu, stage.pass);
     let mut exposed = Vec::new();
     let mut group = Group::new(gpu, pass.supersample);
     for first in (0..pass.scenes).step_by(AT_A_TIME) {
@@ -59,11 +72,7 @@ pub(super) fn draw(
     if !group.scenes.is_empty() {
         exposed.push(stage.expose(group).map_err(MachineFault::from)?);
     }
-    baker.keep(stage.targets);
-    if progress.cancelled() {
-        return Err(Cancelled.into());
-    }
-    Ok(developed(gpu, exposed, pass.supersample).map_err(MachineFault::from)?)
+    Ok(exposed)
 }
 
 /// A pass with its textures.

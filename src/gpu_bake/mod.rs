@@ -3,7 +3,7 @@
 //!
 //! Captures: all shots of a pass lie side by side on one sheet of samples. One render pass lights the grids of leaf
 //! density, one keeps the nearest surface of each sample in eight bytes, one averages them to texels and shades
-//! those, and one copy brings them back. Shadows: threads mark the texels of some triangles in the bit masks of a few
+//! those, and one copy brings them back. Shadows: threads mark the texels of some triangles in the bit masks of some
 //! samples, which a second pass sums: no rasteriser is as quick with triangles of a few texels.
 //!
 //! Where there is a choice, it is what a software driver does fast: it has no time to lose, and a card does not
@@ -110,7 +110,9 @@ impl Baker {
     /// Keeps targets for the next captures, if they are not unusually large.
     fn keep(&self, targets: Option<passes::Targets>) {
         let mut kept = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
-        *kept = targets.filter(passes::Targets::is_usual);
+        if let Some(targets) = targets.filter(passes::Targets::is_usual) {
+            *kept = Some(targets);
+        }
     }
 }
 

@@ -116,7 +116,7 @@ impl Targets {
         }
     }
 
-    /// Those of the group before, if they hold what this one draws; larger ones if not, as long as both are small.
+    /// Those of a group before, if they hold what this one draws; larger ones if not, as long as both are small.
     pub(super) fn holding(gpu: &Gpu, before: Option<Self>, size: Size) -> Self {
         let Some(before) = before else {
             return Self::new(gpu, size);

@@ -13,7 +13,7 @@ use wgpu::{Buffer, BufferUsages};
 /// Bytes that the masks of a batch may have.
 const MASK_BYTES: u64 = 64 << 20;
 
-/// Threads of a workgroup that sums, as in `shaders/shadow_bake.wgsl`.
+/// Threads of a workgroup that sums, as in `shaders/shadow_bake.wgsl`; on a card also of one that marks.
 const GROUP: u32 = 64;
 
 /// Loops that a thread may go through: a software driver ends it after 65,535, and samples of a light differ a little.
@@ -292,8 +292,9 @@ fn most_loops(work: &Work<'_>) -> u32 {
             let within = |length: f32| floor_to_u32(length.max(0.0)).min(work.size) + 1;
             (within(across), within(down))
         };
-        let leaf = |(across, down): (u32, u32)| down.saturating_mul(across + 2);
-        let solid = |(across, down): (u32, u32)| down.saturating_mul(across / 32 + 3);
+        // The sample and its last look; rows; words, of which a span may touch one more; texels.
+        let leaf = |(across, down): (u32, u32)| 2 + down.saturating_mul(across + across / 16 + 4);
+        let solid = |(across, down): (u32, u32)| 2 + down.saturating_mul(across / 32 + 4);
         let leaves = casters.leaves.iter().map(|l| leaf(extent(&l.corners)));
         leaves
             .chain(casters.bark.iter().map(|c| solid(extent(c))))

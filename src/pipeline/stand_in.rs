@@ -32,11 +32,9 @@ pub(super) fn thinned(tree: &Tree, splines: usize, most: u64) -> (Tree, State) {
         of_leaves.flat_map(|(_, nodes)| nodes).sum()
     };
     let before = leaves(tree);
+    // Twice, as every branch keeps one of each at least, and so a step may leave out less than its share.
     #[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
-    for step in 0.. {
-        let Some(levels) = outermost(tree, step) else {
-            break;
-        };
+    for (step, levels) in steps(tree).into_iter().chain(steps(tree)) {
         let now = Counts::of(&thin, splines).triangles(&thin, &state);
         if now.total() <= most {
             break;
@@ -59,8 +57,14 @@ pub(super) fn thinned(tree: &Tree, splines: usize, most: u64) -> (Tree, State) {
     (thin, state)
 }
 
-/// The levels that are thinned out at a step: all leaves first, then branches from the outermost inward, but for those
-/// whose absence would be seen.
+/// The steps of thinning out, with the levels of each: all leaves at step 0, then branches from the outermost inward,
+/// but for those whose absence would be seen.
+fn steps(tree: &Tree) -> Vec<(usize, Vec<usize>)> {
+    (0..)
+        .map_while(|step| Some((step, outermost(tree, step)?)))
+        .collect()
+}
+
 fn outermost(tree: &Tree, step: usize) -> Option<Vec<usize>> {
     let of = |kind: Kind| {
         let levels = tree.levels.iter().enumerate();

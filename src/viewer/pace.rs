@@ -171,8 +171,8 @@ impl Pace {
             self.known.insert(key, seconds);
             return;
         };
-        // Going nearer makes all pictures slower, if not quite alike: what only this quality was wrong about, as a
-        // driver may compile while a first picture waits, must not be believed of the others for ever.
+        // Going nearer makes all pictures slower. But a picture may also have been slow by itself, as when a driver
+        // compiled for it: so the others follow by the root of the change.
         let change = (0.5 + 0.5 * seconds / before.max(1e-4)).clamp(0.25, 4.0);
         let others = libm::sqrtf(change);
         for (known, seconds) in &mut self.known {
